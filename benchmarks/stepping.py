@@ -1,0 +1,154 @@
+"""How fast robosuite's tasks step: stock, compiled, and physics alone, in one run.
+
+All contenders start from the same state and take the same actions, a few steps at a time
+in turn, so that other load on the machine hits them alike; the figures are medians of CPU
+time. "Physics alone" replays the torques of the same steps through MuJoCo's own C loop:
+the limit of what any control law could reach.
+
+    python benchmarks/stepping.py [ROUNDS]
+"""
+
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from prime_envs_robosuite import LiftConfig, PickPlaceConfig, RobosuiteConfig
+from prime_envs_robosuite.adapter import quiet_robosuite
+from prime_envs_robosuite.environment import RobosuiteEnvironment
+
+Array = NDArray[np.float64]
+Contender = tuple[str, Callable[[], None], Callable[[], None]]  # name, prepare, run
+
+STEPS = 20
+CASES: dict[str, tuple[RobosuiteConfig, RobosuiteConfig]] = {
+    "PickPlaceMilk": (PickPlaceConfig(), PickPlaceConfig(stepping="stock")),
+    "Lift": (LiftConfig(), LiftConfig(stepping="stock")),
+}
+
+
+def main(rounds: int) -> None:
+    print(f"medians of {rounds} rounds of {STEPS} control steps, CPU time")
+    for name, (compiled, stock) in CASES.items():
+        contenders = [_robosuite(name), *_ours(_build(compiled), _build(stock))]
+        times = _measure(contenders, rounds)
+        base = times[contenders[0][0]]
+        print(f"\n{name:<34}{'ms a step':>11}{'steps a CPU-s':>15}{'x robosuite':>13}")
+        for label, value in times.items():
+            print(f"  {label:<32}{value * 1e3:>11.2f}{1 / value:>15.0f}{base / value:>13.2f}")
+
+
+def _measure(contenders: list[Contender], rounds: int) -> dict[str, float]:
+    """Return the median CPU seconds of a control step."""
+    samples: dict[str, list[float]] = {label: [] for label, _, _ in contenders}
+    for turn in range(rounds + 1):
+        for label, prepare, run in contenders:
+            prepare()
+            start = time.process_time()
+            run()
+            if turn > 0:  # the first round compiles and fills caches
+                samples[label].append((time.process_time() - start) / STEPS)
+    return {label: statistics.median(values) for label, values in samples.items()}
+
+
+def _actions() -> Array:
+    """Return motor actions that keep the hand about where it is, ``(STEPS, 5)``."""
+    actions = np.random.default_rng(0).uniform(-0.02, 0.02, (STEPS, 5))
+    actions[:, 4] = -1.0
+    return actions
+
+
+def _commands() -> Array:
+    """Return the same as commands of robosuite's controller, ``(STEPS, 7)``."""
+    commands = np.zeros((STEPS, 7))
+    commands[:, :3] = _actions()[:, :3] / 0.05
+    commands[:, 6] = -1.0
+    return commands
+
+
+def _robosuite(name: str) -> Contender:
+    """Return robosuite's own task as it is installed, observations included."""
+    with quiet_robosuite():
+        import robosuite
+
+        task = robosuite.make(
+            name,
+            robots="Panda",
+            has_renderer=False,
+            has_offscreen_renderer=False,
+            use_camera_obs=False,
+            hard_reset=False,
+            ignore_done=True,
+        )
+    commands = _commands()
+    return "robosuite", task.reset, lambda: [task.step(item) for item in commands] and None
+
+
+def _ours(compiled: RobosuiteEnvironment, stock: RobosuiteEnvironment) -> list[Contender]:
+    compiled.reset(seed=0)
+    for _ in range(10):  # let the object come to rest
+        compiled.step(np.array([0.0, 0.0, 0.0, 0.0, -1.0]))
+    state = compiled.get_state()
+    actions, commands = _actions(), _commands()
+
+    def steps(step: Callable[[Array], Any], inputs: Array) -> Callable[[], None]:
+        def run() -> None:
+            for item in inputs:
+                step(item)
+
+        return run
+
+    def to(environment: RobosuiteEnvironment) -> Callable[[], None]:
+        return lambda: environment.set_state(state)
+
+    fast, slow = compiled._simulation, stock._simulation
+    return [
+        ("stock stepping, one object", to(stock), steps(slow.stepper.step, commands)),
+        ("compiled environment", to(compiled), steps(compiled.step, actions)),
+        ("compiled stepping", to(compiled), steps(fast.stepper.step, commands)),
+        ("physics alone", lambda: None, _replay(compiled, stock, state, commands)),
+    ]
+
+
+def _replay(
+    compiled: RobosuiteEnvironment, stock: RobosuiteEnvironment, state: Array, commands: Array
+) -> Callable[[], None]:
+    """Return the physics of the commands' torques, which stock stepping is watched for."""
+    import mujoco
+    from mujoco import rollout
+
+    simulation = stock._simulation
+    host = simulation.host
+    torques: list[Array] = []
+    own_step2 = host.sim.step2
+
+    def watched_step2() -> None:
+        torques.append(simulation.data.ctrl.copy())
+        own_step2()
+
+    stock.set_state(state)
+    host.sim.step2 = watched_step2
+    for item in commands:
+        simulation.stepper.step(item)
+    host.sim.step2 = own_step2
+    controls = np.array(torques)
+    model = compiled._simulation.model
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    compiled.set_state(state)
+    start = np.empty(mujoco.mj_stateSize(model, kind))
+    mujoco.mj_getState(model, compiled._simulation.data, start, kind)
+    scratch = mujoco.MjData(model)
+    return lambda: rollout.rollout(model, scratch, start, controls) and None
+
+
+def _build(config: RobosuiteConfig) -> RobosuiteEnvironment:
+    environment = config.build()
+    assert isinstance(environment, RobosuiteEnvironment)
+    return environment
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 15)

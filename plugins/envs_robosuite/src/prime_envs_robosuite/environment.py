@@ -1,0 +1,232 @@
+"""The environment that all robosuite tasks share."""
+
+from typing import Any, cast
+
+import gymnasium
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.environment import ACTION_LIMIT, CONTROL_FREQUENCY, Environment, Observation
+from prime_core.errors import PrimeError
+from prime_core.scene import (
+    ENVIRONMENT_STATE_KEY,
+    IMAGE_PREFIX,
+    STATE_KEY,
+    Scene,
+    SceneDescription,
+)
+from prime_envs_robosuite.commands import controller_command
+from prime_envs_robosuite.rendering import Cameras
+from prime_envs_robosuite.robot_description import describe_robot
+from prime_envs_robosuite.simulation import Simulation, Stepping
+from prime_envs_robosuite.task import Task
+
+Array = NDArray[np.float64]
+DEFAULT_PICTURE = ("agentview", 256, 256)
+
+
+class RobosuiteEnvironment(Environment):
+    """A robosuite task with a Panda, as a prime environment.
+
+    Args:
+        task: The task.
+        stepping: How physics is advanced; see `prime_envs_robosuite.stepping`.
+        cameras: Cameras whose images are part of the observations.
+        image_size: Height and width of those images [pixels].
+        horizon: Steps after which an episode is truncated; None for never.
+
+    Raises:
+        PrimeError: If a camera does not exist.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": CONTROL_FREQUENCY}  # noqa: RUF012
+
+    def __init__(
+        self,
+        task: Task,
+        stepping: Stepping = "compiled",
+        cameras: tuple[str, ...] = (),
+        image_size: int = 84,
+        horizon: int | None = None,
+    ) -> None:
+        self.task = task
+        self.horizon = horizon
+        self.render_mode = "rgb_array"
+        self._simulation = Simulation(task, stepping)
+        self._cameras = Cameras(self._simulation.host)
+        for name in cameras:
+            self._cameras.check(name)
+        self._images = {IMAGE_PREFIX + name: name for name in cameras}
+        self._image_size = image_size
+        self.description = self._describe()
+        self.action_space = gymnasium.spaces.Box(-ACTION_LIMIT, ACTION_LIMIT, dtype=np.float64)
+        self.observation_space = self._observation_space()
+        self._elapsed = 0
+        self._scene: Scene | None = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: Seeds all draws; None to go on drawing from the generator there is.
+            options: None are known.
+
+        Returns:
+            The first observation, and ``{"is_success": bool}``.
+        """
+        super().reset(seed=seed)
+        self._simulation.reset(self.np_random)
+        self._elapsed = 0
+        self._scene = None
+        return self._observation(), {"is_success": self.is_success()}
+
+    def step(self, action: Array) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Take a motor action; see `Environment`.
+
+        Args:
+            action: dx, dy, dz [m], dyaw [rad] in the world frame; gripper, ``(5,)``.
+
+        Returns:
+            Observation, reward, terminated, truncated, ``{"is_success": bool}``.
+
+        Raises:
+            PrimeError: If the action is not five finite numbers.
+        """
+        values = np.asarray(action, dtype=np.float64)
+        if values.shape != (5,) or not np.all(np.isfinite(values)):
+            raise PrimeError(
+                f"an action is 5 finite numbers (dx, dy, dz, dyaw, gripper); this one is {action}"
+            )
+        simulation = self._simulation
+        command = controller_command(values, simulation.panda, simulation.data)
+        simulation.stepper.step(command)
+        self._elapsed += 1
+        self._moved()
+        success = self.is_success()
+        truncated = self.horizon is not None and self._elapsed >= self.horizon
+        return self._observation(), float(success), success, truncated, {"is_success": success}
+
+    def scene(self) -> Scene:
+        """Return the scene as it is now."""
+        if self._scene is None:
+            self._scene = self._read_scene()
+        return self._scene
+
+    def is_success(self) -> bool:
+        """Whether the task is solved now, as a person would call it."""
+        simulation = self._simulation
+        scene = self.scene()
+        touched = any(left or right for left, right in simulation.touches())
+        return self.task.is_success(scene, touched, simulation.motions())
+
+    def get_state(self) -> Array:
+        """Return all that the future depends on, ``(n,)``; see `Environment`.
+
+        MuJoCo's integration state, the gripper's command, the rest posture, and the number
+        of steps taken.
+        """
+        return np.append(self._simulation.get_state(), float(self._elapsed))
+
+    def set_state(self, state: Array) -> None:
+        """Restore a state; see `Environment`."""
+        expected = self._simulation.state_size + 1
+        values = np.asarray(state, dtype=np.float64)
+        if values.shape != (expected,):
+            raise PrimeError(
+                f"a state of this environment has shape ({expected},), not {values.shape}"
+            )
+        self._simulation.set_state(values[:-1])
+        self._elapsed = int(values[-1])
+        self._scene = None
+
+    def set_joint_state(
+        self, positions: Array, velocities: Array, gripper_command: float | None = None
+    ) -> None:
+        """Put all joints where they are told to be, to step on from there.
+
+        For recordings that hold joints alone. The controller starts afresh, so this does
+        not restore a state exactly.
+
+        Args:
+            positions: MuJoCo's ``qpos``: 7 arm joints [rad], 2 fingers [m], then for each
+                object position [m] and quaternion, ``(nq,)``.
+            velocities: MuJoCo's ``qvel``, ``(nv,)``.
+            gripper_command: From -1 (open) to 1 (closed); None for the one that holds the
+                fingers where they are, which does not press on an object between them.
+
+        Raises:
+            PrimeError: If the lengths are not the model's.
+        """
+        self._simulation.set_joint_state(positions, velocities, gripper_command)
+        self._elapsed = 0
+        self._scene = None
+
+    def render(self) -> NDArray[np.uint8]:
+        """Return a picture of the whole scene, ``(256, 256, 3)``."""
+        return self.render_camera(*DEFAULT_PICTURE)
+
+    def render_camera(self, name: str, height: int, width: int) -> NDArray[np.uint8]:
+        """Return a picture, ``(height, width, 3)``; see `Environment`."""
+        return self._cameras.picture(name, self._simulation.data.qpos, height, width)
+
+    def close(self) -> None:
+        """Free what renders."""
+        self._cameras.close()
+
+    def _moved(self) -> None:
+        self._simulation.refresh()
+        self._scene = None
+
+    def _read_scene(self) -> Scene:
+        simulation = self._simulation
+        panda, data = simulation.panda, simulation.data
+        position, rotation = panda.gripper_pose(data)
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, rotation.ravel())
+        positions, quaternions = simulation.object_poses()
+        names = [item.name for item in self.task.objects]
+        held = [name for name, sides in zip(names, simulation.touches(), strict=True) if all(sides)]
+        return Scene(
+            description=self.description,
+            gripper_position=position,
+            gripper_quaternion=quaternion,
+            gripper_opening=panda.opening(data),
+            joint_positions=data.qpos[panda.joint_addresses].copy(),
+            object_positions=positions,
+            object_quaternions=quaternions,
+            held=held[0] if held else None,
+        )
+
+    def _observation(self) -> Observation:
+        observation: Observation = dict(self.scene().observation())
+        for key, name in self._images.items():
+            observation[key] = self.render_camera(name, self._image_size, self._image_size)
+        return observation
+
+    def _describe(self) -> SceneDescription:
+        task = self.task
+        return SceneDescription(
+            objects=task.objects,
+            workspace_low=task.workspace_low,
+            workspace_high=task.workspace_high,
+            lift_height=task.lift_height,
+            affordances=task.affordances(),
+            robot=describe_robot(self._simulation.host, self._simulation.model),
+        )
+
+    def _observation_space(self) -> gymnasium.Space[Observation]:
+        widths = {
+            STATE_KEY: self.description.state_width,
+            ENVIRONMENT_STATE_KEY: self.description.environment_state_width,
+        }
+        spaces: dict[str, gymnasium.Space[Any]] = {
+            key: gymnasium.spaces.Box(-np.inf, np.inf, (width,), np.float32)
+            for key, width in widths.items()
+        }
+        shape = (self._image_size, self._image_size, 3)
+        for key in self._images:
+            spaces[key] = gymnasium.spaces.Box(0, 255, shape, np.uint8)
+        return cast(gymnasium.Space[Observation], gymnasium.spaces.Dict(spaces))

@@ -1,0 +1,74 @@
+"""From a robosuite host to MuJoCo models: one for physics alone, one to look at.
+
+Leaving out what only shows (the robot's look is 185 thousand mesh faces) changes no number
+of the physics: robosuite takes masses from collision geoms and explicit inertias alone.
+"""
+
+from typing import Any
+from xml.etree import ElementTree
+
+Element = ElementTree.Element
+
+
+def physics_model(host: Any) -> Any:
+    """Compile a host's model without what only shows.
+
+    Args:
+        host: A robosuite environment.
+
+    Returns:
+        A ``mujoco.MjModel`` with the same state as the host's: the same bodies, joints,
+        actuators and collision geoms.
+    """
+    root = ElementTree.fromstring(model_xml(host))
+    for body in [*root.iter("worldbody"), *root.iter("body")]:
+        for geom in body.findall("geom"):
+            if only_shows(geom):
+                body.remove(geom)
+            elif "material" in geom.attrib:
+                del geom.attrib["material"]
+    _drop_unused_assets(root)
+    return _compile(ElementTree.tostring(root, encoding="unicode"), host)
+
+
+def visual_model(host: Any) -> Any:
+    """Compile a host's whole model.
+
+    Args:
+        host: A robosuite environment.
+
+    Returns:
+        A ``mujoco.MjModel`` with the same positions ``qpos`` as the physics model.
+    """
+    return _compile(model_xml(host), host)
+
+
+def model_xml(host: Any) -> str:
+    """Return the XML that a host's simulation is made from, with absolute file names."""
+    return str(host.edit_model_xml(host.model.get_xml()))
+
+
+def only_shows(geom: Element) -> bool:
+    """Whether a geom collides with nothing."""
+    return geom.get("contype") == "0" and geom.get("conaffinity") == "0"
+
+
+def _drop_unused_assets(root: Element) -> None:
+    """Remove the files that no geom names any more; they take most of the loading time."""
+    assets = root.find("asset")
+    if assets is None:
+        return
+    used = {geom.get("mesh") for geom in root.iter("geom")}
+    for asset in list(assets):
+        if asset.tag != "mesh" or asset.get("name") not in used:
+            assets.remove(asset)
+
+
+def _compile(xml: str, host: Any) -> Any:
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(xml)
+    # robosuite moves the bins and the pictures of the targets in its compiled model only.
+    model.body_pos[:] = host.sim.model.body_pos
+    model.body_quat[:] = host.sim.model.body_quat
+    return model

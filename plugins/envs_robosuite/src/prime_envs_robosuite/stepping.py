@@ -1,0 +1,189 @@
+"""Two ways to advance robosuite's Panda by one control step, with one face.
+
+Both take robosuite's own 7-number action at 20 Hz and leave the same state to rounding.
+"""
+
+import ctypes
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_envs_robosuite.panda import Panda
+
+Array = NDArray[np.float64]
+
+SUBSTEPS = 25  # of 2 ms, in a control step of 50 ms
+POSITION_SCALE = 0.05  # metres at an action of 1
+ROTATION_SCALE = 0.5  # radians at an action of 1
+GRIPPER_SPEED = 0.2  # share of half a stroke per control step
+
+
+class Stepper(Protocol):
+    """Advances one simulation; holds what the control law remembers between steps.
+
+    Attributes:
+        gripper_command: What the gripper's commands have added up to, in [-1, 1]; -1 is
+            open.
+        rest: Joint positions that the nullspace torque pulls towards [rad], ``(7,)``.
+    """
+
+    gripper_command: float
+    rest: Array
+
+    def step(self, action: Array) -> None:
+        """Advance by one control step.
+
+        Args:
+            action: ``(7,)`` in [-1, 1]: displacement, rotation vector (both in the base
+                frame, scaled by 0.05 m and 0.5 rad), gripper (below 0 opens, above closes).
+        """
+
+
+class CompiledStepper:
+    """Steps a plain MuJoCo model with the compiled control law.
+
+    It holds addresses inside the model and its data: it keeps both alive, and must be made
+    anew for other ones.
+
+    Args:
+        model: The ``mujoco.MjModel``.
+        data: Its ``mujoco.MjData``.
+        panda: Where the arm and gripper are in them.
+    """
+
+    def __init__(self, model: Any, data: Any, panda: Panda) -> None:
+        from robosuite.utils.transform_utils import axisangle2quat, quat2mat
+
+        from prime_envs_robosuite import control_law
+
+        self.gripper_command = 0.0
+        self.rest: Array = np.zeros(len(panda.joint_addresses))
+        self._owners = (model, data)
+        # robosuite's own functions, for they round to float32 on the way.
+        self._quaternion, self._matrix = axisangle2quat, quat2mat
+        self._run = control_law.run_control_step
+        self._functions = _functions(model, data)
+        self._views = _views(model, data, panda)
+        self._arm = _arm(model, data, panda)
+        fingers = panda.finger_actuators
+        self._fingers = fingers
+        self._finger_range = model.actuator_ctrlrange[fingers].copy()
+        self._controls = data.ctrl
+
+    def step(self, action: Array) -> None:
+        """Advance by one control step; see `Stepper`."""
+        clipped = np.clip(action, -1.0, 1.0)
+        turn = self._matrix(self._quaternion(clipped[3:6] * ROTATION_SCALE))
+        moved = self.gripper_command + GRIPPER_SPEED * np.sign(clipped[6])
+        self.gripper_command = float(np.clip(moved, -1.0, 1.0))
+        low, high = self._finger_range.T
+        share = np.array([-self.gripper_command, self.gripper_command])
+        target = 0.5 * (high + low) + 0.5 * (high - low) * share
+        self._controls[self._fingers] = np.clip(target, low, high)
+        self._run(
+            self._functions,
+            self._views,
+            self._arm,
+            clipped[:3] * POSITION_SCALE,
+            np.ascontiguousarray(turn, dtype=np.float64),
+            self.rest,
+            SUBSTEPS,
+        )
+
+
+class StockStepper:
+    """Steps a robosuite environment by its own ``step``.
+
+    Args:
+        host: The robosuite environment, with one Panda and ``ignore_done``.
+    """
+
+    def __init__(self, host: Any) -> None:
+        self._host = host
+        robot = host.robots[0]
+        self._gripper = robot.gripper["right"]
+        self._controllers = tuple(robot.part_controllers.values())
+        self._arm_controller = robot.part_controllers["right"]
+
+    @property
+    def gripper_command(self) -> float:
+        """What the gripper's commands have added up to, in [-1, 1]."""
+        return float(self._gripper.current_action[-1])
+
+    @gripper_command.setter
+    def gripper_command(self, value: float) -> None:
+        self._gripper.current_action = np.array([-value, value])
+
+    @property
+    def rest(self) -> Array:
+        """Joint positions that the nullspace torque pulls towards [rad], ``(7,)``."""
+        return np.array(self._arm_controller.initial_joint)
+
+    @rest.setter
+    def rest(self, value: Array) -> None:
+        self._arm_controller.initial_joint = np.array(value)
+
+    def step(self, action: Array) -> None:
+        """Advance by one control step; see `Stepper`."""
+        for controller in self._controllers:
+            # Else the first step after a reset or a restored state uses an old pose.
+            controller.new_update = True
+        self._host.step(np.asarray(action, dtype=np.float64))
+
+
+def _functions(model: Any, data: Any) -> Any:
+    """Return the addresses of the C functions and structures."""
+    from prime_envs_robosuite.control_law import Functions
+
+    library = ctypes.CDLL(str(_library_path()))
+    names = ("mj_step1", "mj_step2", "mj_fullM", "mj_jacSite")
+    addresses = [ctypes.cast(getattr(library, name), ctypes.c_void_p).value for name in names]
+    step1, step2, full_mass, site_jacobian = (int(address or 0) for address in addresses)
+    return Functions(
+        step1, step2, full_mass, site_jacobian, int(model._address), int(data._address)
+    )
+
+
+def _library_path() -> Path:
+    """Return the C library that the mujoco package has loaded."""
+    import mujoco
+
+    folder = Path(mujoco.__file__).parent
+    patterns = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
+    return next(path for pattern in patterns for path in sorted(folder.glob(pattern)))
+
+
+def _views(model: Any, data: Any, panda: Panda) -> Any:
+    from prime_envs_robosuite.control_law import Views
+
+    return Views(
+        positions=data.qpos,
+        velocities=data.qvel,
+        bias=data.qfrc_bias,
+        controls=data.ctrl,
+        packed_mass=data.qM,
+        site_position=data.site_xpos[panda.grip_site],
+        site_rotation=data.site_xmat[panda.grip_site],
+        mass=np.zeros((model.nv, model.nv)),
+        linear=np.zeros((3, model.nv)),
+        angular=np.zeros((3, model.nv)),
+    )
+
+
+def _arm(model: Any, data: Any, panda: Panda) -> Any:
+    from prime_envs_robosuite.control_law import Arm
+
+    limits = model.actuator_ctrlrange[panda.arm_actuators]
+    position, rotation = panda.base_pose(data)
+    return Arm(
+        joints=panda.joint_addresses,
+        dofs=panda.dof_addresses,
+        actuators=panda.arm_actuators,
+        torque_low=limits[:, 0].copy(),
+        torque_high=limits[:, 1].copy(),
+        base_position=position,
+        base_rotation=rotation,
+        site=panda.grip_site,
+    )

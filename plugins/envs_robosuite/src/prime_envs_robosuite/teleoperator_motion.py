@@ -1,0 +1,219 @@
+"""How a hand moves that nobody programmed: curved, uneven, with pauses and noise.
+
+Nothing here knows of primitives or of a planner; a movement is a curve that a person might
+draw with a device, followed by feedback on the scenes.
+"""
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.environment import ACTION_LIMIT, CONTROL_FREQUENCY, Action
+from prime_core.rotations import wrap_angle
+from prime_core.scene import Scene
+
+Array = NDArray[np.float64]
+Movement = Generator[Action, Scene, Scene]
+"""Yields motor actions, is sent the scene after each, and returns the last scene."""
+
+OPEN, CLOSE = -1.0, 1.0
+
+RESPONSE = 0.265
+"""Share of a commanded displacement that the arm covers in the same step, at a steady pace."""
+
+PEAK_SPEED = 0.24  # [m/s]; the command saturates at 0.05 m, which is 0.265 m/s
+RAMP = 0.7  # time in which a long movement reaches its speed [s]
+TURN_SPEED = 0.7  # mean, [rad/s]
+REACTION = 0.25  # the part of a movement's duration that does not depend on its length [s]
+NOISE_MEMORY = 0.85  # correlation of the command noise from step to step
+TREMOR = 2e-4  # command noise of a hand at rest [m]; 5 mm/s would take 1e-3
+PATIENCE = 10  # steps of correction at the end of a movement
+NEAR = 0.006  # [m], where a movement counts as arrived
+NEAR_YAW = 0.05  # [rad]
+LOST = 5  # steps without a held object after which the hand stops
+
+
+@dataclass(frozen=True)
+class Style:
+    """How one person moves in one demonstration.
+
+    Attributes:
+        speed: Mean speed of a long movement [m/s].
+        pause: Mean length of a pause [s].
+        bow: How far a movement bends aside, as a share of its length.
+        aim: Standard deviation of where a long movement ends [m].
+        yaw_aim: Standard deviation of the yaw it ends at [rad].
+        overshoot: How far long movements run past their goal [m].
+        noise: Command noise as a share of the command.
+        hover: Height over the object at which the approach ends [m].
+    """
+
+    speed: float
+    pause: float
+    bow: float
+    aim: float
+    yaw_aim: float
+    overshoot: float
+    noise: float
+    hover: float
+
+
+class Hand:
+    """Moves the gripper in a style.
+
+    Args:
+        style: How.
+        generator: Where all randomness comes from.
+
+    Attributes:
+        gripper: The gripper's command, `OPEN` or `CLOSE`.
+    """
+
+    def __init__(self, style: Style, generator: np.random.Generator) -> None:
+        self.style = style
+        self.gripper = OPEN
+        self._generator = generator
+        self._noise = np.zeros(4)
+
+    def pause(self, scene: Scene, scale: float = 1.0) -> Movement:
+        """Rest for a while; how long varies.
+
+        Args:
+            scene: The scene now.
+            scale: Mean length in units of the style's.
+        """
+        seconds = self._generator.gamma(2.0, scale * self.style.pause / 2.0)
+        return (yield from self.wait(scene, 2 + round(seconds * CONTROL_FREQUENCY)))
+
+    def wait(self, scene: Scene, steps: int) -> Movement:
+        """Rest for a number of steps."""
+        for _ in range(steps):
+            scene = yield self._action(np.zeros(4))
+        return scene
+
+    def grip(self, scene: Scene, command: float) -> Movement:
+        """Open or close the gripper, and wait until it has.
+
+        Args:
+            scene: The scene now.
+            command: `OPEN` or `CLOSE`.
+        """
+        self.gripper = command
+        return (yield from self.wait(scene, int(self._generator.integers(12, 19))))
+
+    def move(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
+        """Move along a bent path, first faster, then slower; stop if what is held gets lost.
+
+        Args:
+            scene: The scene now.
+            goal: Where to [m], world frame, ``(3,)``.
+            yaw: To which yaw [rad].
+            hesitate: Whether to stop for a pause on the way.
+        """
+        path = self._path(scene.gripper_position, goal)
+        turn = float(wrap_angle(yaw - scene.gripper_yaw))
+        start_yaw = scene.gripper_yaw
+        distance = float(np.linalg.norm(goal - scene.gripper_position))
+        progress = self._progress(distance, turn, hesitate)
+        points = _bezier(path, progress)
+        yaws = start_yaw + turn * progress
+        carried, missing = scene.held, 0
+        for step in range(1, len(progress) + PATIENCE):
+            now, last = min(step, len(progress) - 1), min(step - 1, len(progress) - 1)
+            missing = missing + 1 if carried and scene.held is None else 0
+            if missing >= LOST or (now == last and _arrived(scene, goal, yaw)):
+                break
+            command = np.append(points[now] - points[last], yaws[now] - yaws[last]) / RESPONSE
+            command[:3] += points[last] - scene.gripper_position
+            command[3] += wrap_angle(yaws[last] - scene.gripper_yaw)
+            scene = yield self._action(command)
+        return scene
+
+    def reach(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
+        """Move far: arrive inexactly, run past the goal, pause, and correct.
+
+        Args:
+            scene: The scene now.
+            goal: Where to [m], world frame, ``(3,)``.
+            yaw: To which yaw [rad].
+            hesitate: Whether to stop for a pause on the way.
+        """
+        style = self.style
+        way = goal - scene.gripper_position
+        past = style.overshoot * way / max(float(np.linalg.norm(way)), 0.1)
+        missed = goal + past + self._generator.normal(0.0, style.aim, 3)
+        turned = yaw + self._generator.normal(0.0, style.yaw_aim)
+        scene = yield from self.move(scene, missed, float(turned), hesitate)
+        scene = yield from self.pause(scene, 0.6)
+        return (yield from self.move(scene, goal, yaw))
+
+    def _path(self, start: Array, goal: Array) -> Array:
+        """Return the control points ``(4, 3)`` of a curve bent to a side and upwards."""
+        way = goal - start
+        aside = np.array([-way[1], way[0], 0.0])
+        length = float(np.linalg.norm(way))
+        aside /= max(float(np.linalg.norm(aside)), 1e-6)
+        bends = self._generator.normal(0.0, self.style.bow * length, (2, 2))
+        points = np.stack((start, start + way / 3, start + 2 * way / 3, goal))
+        points[1:3] += bends[:, :1] * aside
+        # Upwards only: below the straight line are the walls of the bins.
+        points[1:3, 2] += np.abs(bends[:, 1])
+        return points
+
+    def _progress(self, distance: float, turn: float, hesitate: bool) -> Array:
+        """Return how much of a movement is done after each step, from 0 to 1, ``(T + 1,)``."""
+        seconds = REACTION + max(distance / self.style.speed, abs(turn) / TURN_SPEED)
+        peak = distance / seconds / (1 - min(0.5, RAMP / seconds))
+        steps = round(seconds * max(1.0, peak / PEAK_SPEED) * CONTROL_FREQUENCY)
+        if not hesitate:
+            return _smooth_rise(steps)
+        share = float(self._generator.uniform(0.3, 0.7))
+        rest = np.full(round(2 * self.style.pause * CONTROL_FREQUENCY), share)
+        before = share * _smooth_rise(max(2, round(share * steps)))
+        after = share + (1 - share) * _smooth_rise(max(2, round((1 - share) * steps)))
+        return np.concatenate((before, rest, after[1:]))
+
+    def _action(self, command: Array) -> Action:
+        """Return a motor action: the command (dx, dy, dz, dyaw) with coloured noise, in limits."""
+        fresh = self._generator.standard_normal(4)
+        self._noise = NOISE_MEMORY * self._noise + np.sqrt(1 - NOISE_MEMORY**2) * fresh
+        # A yaw that is commanded like a position is: 0.05 m corresponds to 0.5 rad.
+        size = np.repeat((float(np.linalg.norm(command[:3])), abs(float(command[3]))), (3, 1))
+        deviation = self.style.noise * size + TREMOR * np.array([1.0, 1.0, 1.0, 2.0])
+        action = np.append(command + deviation * self._noise, self.gripper)
+        # Just inside the limits, which float32 would round up.
+        limit = ACTION_LIMIT * (1 - 1e-6)
+        action[:4] = np.clip(action, -limit, limit)[:4]
+        return action
+
+
+def _arrived(scene: Scene, goal: Array, yaw: float) -> bool:
+    near = np.linalg.norm(goal - scene.gripper_position) < NEAR
+    return bool(near and abs(wrap_angle(yaw - scene.gripper_yaw)) < NEAR_YAW)
+
+
+def _smooth_rise(steps: int) -> Array:
+    """Return a rise from 0 to 1 that speeds up, cruises and slows down, ``(steps + 1,)``."""
+    time = (np.arange(steps) + 0.5) / steps
+    ramp = min(0.5, RAMP * CONTROL_FREQUENCY / steps)
+    share = np.minimum(1.0, np.minimum(time, 1 - time) / ramp)
+    # Minimum-jerk ramps of the speed: people have no corners in theirs.
+    speed = share**3 * (10 - 15 * share + 6 * share**2)
+    return np.append(0.0, np.cumsum(speed) / speed.sum())
+
+
+def _bezier(points: Array, progress: Array) -> Array:
+    """Return points of a cubic Bezier curve.
+
+    Args:
+        points: Control points, ``(4, 3)``.
+        progress: Curve parameters from 0 to 1, ``(T,)``.
+
+    Returns:
+        ``(T, 3)``.
+    """
+    along, left = progress[:, None], 1 - progress[:, None]
+    weights = (left**3, 3 * left**2 * along, 3 * left * along**2, along**3)
+    return sum((weight * point for weight, point in zip(weights, points, strict=True)), np.zeros(3))

@@ -1,0 +1,41 @@
+"""Settings of the inverse dynamics model ``mlp-gmm``."""
+
+from pathlib import Path
+
+from pydantic import Field
+
+from prime_core.idm import IdmConfig, InverseDynamicsModel, PairData, PrimitiveSpace
+from prime_core.progress import Progress
+from prime_core.scene import SceneDescription
+from prime_policies.settings import NetworkSettings
+
+
+class MlpGmmIdmConfig(IdmConfig, NetworkSettings):
+    """A classifier of primitives and a Gaussian mixture of parameters, on state vectors."""
+
+    classifier_epochs: int = Field(12, ge=1)
+    """Epochs of the classifier."""
+    parameter_epochs: int = Field(12, ge=1)
+    """Epochs of the mixture."""
+
+    def fit(
+        self,
+        data: PairData,
+        description: SceneDescription,
+        space: PrimitiveSpace,
+        folder: Path,
+        seed: int,
+        progress: Progress,
+    ) -> InverseDynamicsModel:
+        """Train both networks, one after the other."""
+        from prime_policies.mlp_gmm_training import fit_idm
+
+        return fit_idm(self, data, description, space, folder, seed, progress)
+
+    def load(
+        self, folder: Path, description: SceneDescription, space: PrimitiveSpace
+    ) -> InverseDynamicsModel:
+        """Load the two networks."""
+        from prime_policies.mlp_gmm_training import load_idm
+
+        return load_idm(self, folder, description, space)

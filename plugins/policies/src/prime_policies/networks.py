@@ -1,0 +1,197 @@
+"""The networks: a classifier of primitives and a mixture of their parameters.
+
+Both see one frame (a policy) or a pair of frames (an inverse dynamics model).
+"""
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from prime_policies.mixture import Mixture, log_density
+
+CLIP = 5.0  # normalised features beyond it are outside everything seen in training
+
+
+class Examples(NamedTuple):
+    """A batch to learn from.
+
+    Attributes:
+        frames: Features of the frames that a network sees at once, ``(n, frames, features)``.
+        labels: Class or primitive, ``(n,)`` int64.
+        targets: Of the parameters, ``(n, D)``; empty where classes are learnt.
+    """
+
+    frames: Tensor
+    labels: Tensor
+    targets: Tensor
+
+
+class Trunk(nn.Module):
+    """Normalises frames, joins those of a pair, and passes them through a perceptron.
+
+    A pair enters as [f, f', f' - f]. The first layer is linear in it, so its value is a sum of
+    a part of either frame: `halves` gives the parts, and `finish` does the rest.
+
+    Args:
+        features: Number of features of a frame.
+        pair: Whether it sees pairs of frames.
+        hidden: Widths of the hidden layers.
+        noise: Standard deviation of the noise on normalised inputs while training.
+    """
+
+    mean: Tensor
+    scale: Tensor
+    difference_scale: Tensor
+
+    def __init__(self, features: int, pair: bool, hidden: tuple[int, ...], noise: float) -> None:
+        super().__init__()
+        self._pair, self._noise = pair, noise
+        for name in ("mean", "scale", "difference_scale"):
+            self.register_buffer(name, torch.ones(features))
+        self.first = nn.Linear(3 * features if pair else features, hidden[0])
+        layers: list[nn.Module] = []
+        for before, after in zip(hidden[:-1], hidden[1:], strict=True):
+            layers += [nn.Linear(before, after), nn.ReLU()]
+        self.rest = nn.Sequential(*layers)
+
+    def forward(self, frames: Tensor, generator: torch.Generator | None = None) -> Tensor:
+        """Return the last hidden layer.
+
+        Args:
+            frames: ``(n, 1 or 2, features)``.
+            generator: Of the input noise; None for no noise.
+        """
+        inputs = self._join(self._normalise(frames))
+        if generator is not None and self._noise:
+            inputs = inputs + self._noise * torch.randn(inputs.shape, generator=generator)
+        return self.finish(self.first(inputs))
+
+    def halves(self, features: Tensor) -> tuple[Tensor, Tensor]:
+        """Return what each frame adds to the first layer as the start and as the end of a pair.
+
+        Args:
+            features: ``(frames, features)``.
+        """
+        normal = self._normalise(features)
+        start, end, difference = self.first.weight.chunk(3, dim=1)
+        difference = difference * (self.scale / self.difference_scale)
+        return normal @ (start - difference).T + self.first.bias, normal @ (end + difference).T
+
+    def finish(self, first: Tensor) -> Tensor:
+        """Return the last hidden layer from the first one's value before its rectifier."""
+        result: Tensor = self.rest(functional.relu(first))
+        return result
+
+    def _normalise(self, features: Tensor) -> Tensor:
+        return ((features - self.mean) / self.scale).clamp(-CLIP, CLIP)
+
+    def _join(self, normal: Tensor) -> Tensor:
+        if not self._pair:
+            return normal[:, 0]
+        start, end = normal[:, 0], normal[:, 1]
+        difference = (end - start) * (self.scale / self.difference_scale)
+        return torch.cat((start, end, difference), dim=1)
+
+
+class Classifier(nn.Module):
+    """p(class | frames)."""
+
+    def __init__(self, trunk: Trunk, hidden: int, classes: int) -> None:
+        super().__init__()
+        self.trunk = trunk
+        self.head = nn.Linear(hidden, classes)
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """Return log probabilities ``(n, classes)`` of frames ``(n, 1 or 2, features)``."""
+        return self.log_probabilities(self.trunk(frames))
+
+    def log_probabilities(self, hidden: Tensor) -> Tensor:
+        """Return log probabilities ``(n, classes)`` from the trunk's last layer."""
+        logits: Tensor = self.head(hidden)
+        return logits.log_softmax(dim=-1)
+
+    def loss(self, batch: Examples, generator: torch.Generator) -> Tensor:
+        """Return the mean cross entropy."""
+        hidden = self.trunk(batch.frames, generator)
+        return functional.nll_loss(self.log_probabilities(hidden), batch.labels)
+
+
+class ParameterNetwork(nn.Module):
+    """p(target | frames, primitive): a mixture around a linear function of the frames.
+
+    Each primitive has a line that is fitted before training and sees the features as they are,
+    without noise; the perceptron learns what it leaves over, in units of its spread. A target
+    that simply is where the gripper ends is thus exact from the first step.
+
+    Args:
+        trunk: Of the perceptron.
+        hidden: Width of the trunk's last layer.
+        inputs: Number of features of all frames seen at once.
+        mask: Which parameters a primitive has, ``(primitives, D)`` bool.
+        components: Of the mixture.
+        minimum_deviation: Least standard deviation of a component, in targets.
+    """
+
+    weight: Tensor
+    bias: Tensor
+    spread: Tensor
+    mask: Tensor
+
+    def __init__(
+        self,
+        trunk: Trunk,
+        hidden: int,
+        inputs: int,
+        mask: Tensor,
+        components: int,
+        minimum_deviation: float,
+    ) -> None:
+        super().__init__()
+        primitives, width = mask.shape
+        self.trunk = trunk
+        self._shape = (primitives, components, 1 + 2 * width)
+        self.minimum_deviation = minimum_deviation
+        self.head = nn.Linear(hidden, primitives * components * (1 + 2 * width))
+        self._start_head()
+        self.register_buffer("weight", torch.zeros(primitives, width, inputs))
+        self.register_buffer("bias", torch.zeros(primitives, width))
+        self.register_buffer("spread", torch.ones(primitives, width))
+        self.register_buffer("mask", mask.float())
+
+    def _start_head(self) -> None:
+        """Start at the line, with narrow components and wide ones that catch outliers."""
+        _, components, channels = self._shape
+        width = channels // 2
+        with torch.no_grad():
+            self.head.weight.mul_(0.1)
+            bias = torch.zeros(self._shape)
+            bias[:, :, 1 + width :] = torch.linspace(0.0, 3.0, components)[:, None]
+            self.head.bias.copy_(bias.flatten())
+
+    def forward(
+        self, frames: Tensor, labels: Tensor, generator: torch.Generator | None = None
+    ) -> Mixture:
+        """Return the mixtures of targets.
+
+        Args:
+            frames: ``(n, 1 or 2, features)``.
+            labels: The primitive of each, ``(n,)``.
+            generator: Of the input noise; None for no noise.
+        """
+        primitives, components, channels = self._shape
+        width = channels // 2
+        outputs = self.head(self.trunk(frames, generator))
+        outputs = outputs.view(-1, primitives, components, channels)
+        chosen = outputs[torch.arange(len(labels)), labels]
+        weight, spread = self.weight[labels], self.spread[labels][:, None]
+        line = (weight @ frames.flatten(1)[:, :, None])[:, :, 0] + self.bias[labels]
+        means = line[:, None] + spread * chosen[:, :, 1 : 1 + width]
+        deviations = spread * functional.softplus(chosen[:, :, 1 + width :]) + self.minimum_deviation
+        return Mixture(chosen[:, :, 0], means, deviations, self.mask[labels])
+
+    def loss(self, batch: Examples, generator: torch.Generator) -> Tensor:
+        """Return the mean negative log density."""
+        mixture = self(batch.frames, batch.labels, generator)
+        return -log_density(mixture, batch.targets).mean()

@@ -1,0 +1,26 @@
+"""Settings that all networks share."""
+
+from pydantic import Field
+
+from prime_core.configuration import Config
+
+
+class NetworkSettings(Config):
+    """How large the networks are, and how a step of their training goes."""
+
+    hidden_sizes: tuple[int, ...] = Field((256, 256), min_length=1)
+    """Widths of the hidden layers. (1024, 1024), as in the paper, was no better on states."""
+    components: int = Field(5, ge=1)
+    """Gaussians in a mixture of parameters."""
+    minimum_deviation: float = Field(1e-3, gt=0)
+    """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]."""
+    input_noise: float = Field(0.05, ge=0)
+    """Standard deviation of the noise on normalised inputs while training."""
+    batch_size: int = Field(256, ge=1)
+    """Examples of a step."""
+    steps_per_epoch: int = Field(500, ge=1)
+    """Steps of an epoch; an interrupted training goes on after its last finished epoch."""
+    learning_rate: float = Field(1e-3, gt=0)
+    """Of Adam at the start; it falls to zero by half a cosine."""
+    weight_decay: float = Field(1e-3, ge=0)
+    """Of AdamW."""

@@ -1,0 +1,202 @@
+"""The one training loop of all networks."""
+
+import math
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from prime_core.idm import Floats
+from prime_policies.networks import Classifier, Examples, ParameterNetwork
+from prime_policies.weights import WeightsError, read_tensors, write_tensors
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How long and how fast a network is trained.
+
+    Attributes:
+        epochs: After each one the state of the training is kept.
+        steps_per_epoch: Steps of Adam.
+        learning_rate: At the start; it falls to zero by half a cosine.
+        weight_decay: Of AdamW.
+    """
+
+    epochs: int
+    steps_per_epoch: int
+    learning_rate: float
+    weight_decay: float
+
+    def rate(self, step: int) -> float:
+        """Return the learning rate at a step, counted from 0."""
+        done = step / (self.epochs * self.steps_per_epoch)
+        return self.learning_rate * 0.5 * (1 + math.cos(math.pi * done))
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Examples to draw from.
+
+    Attributes:
+        features: Of all frames, ``(N, features)``.
+        indices: The frames of each example, ``(n, frames seen at once)``.
+        labels: ``(n,)``.
+        targets: ``(n, D)``; ``(n, 0)`` where classes are learnt.
+        weights: How often each is drawn, up to a factor, ``(n,)``.
+    """
+
+    features: Tensor
+    indices: Tensor
+    labels: Tensor
+    targets: Tensor
+    weights: Floats
+
+    def draws(self, generator: np.random.Generator, count: int) -> Tensor:
+        """Draw examples with replacement, by weight, ``(count,)``."""
+        edges = np.cumsum(self.weights)
+        places = np.searchsorted(edges, generator.random(count) * edges[-1], side="right")
+        return torch.from_numpy(np.minimum(places, len(edges) - 1))
+
+    def batch(self, rows: Tensor) -> Examples:
+        """Return the examples of some rows."""
+        return Examples(self.features[self.indices[rows]], self.labels[rows], self.targets[rows])
+
+
+@dataclass(frozen=True)
+class Training:
+    """One training, that can be interrupted.
+
+    Attributes:
+        state: File that its state is kept in while it runs.
+        identity: What tells it apart from trainings with other settings or data.
+        seed: Of its random draws.
+        schedule: How long and how fast.
+    """
+
+    state: Path
+    identity: str
+    seed: int
+    schedule: Schedule
+
+    def run(
+        self,
+        network: Classifier | ParameterNetwork,
+        sources: Sequence[tuple[Source, int]],
+        keep: Callable[[int], None],
+        report: Callable[[int], None],
+    ) -> None:
+        """Train a network, from the last finished epoch if it was interrupted.
+
+        Args:
+            network: What is trained.
+            sources: What examples come from, and how many of a batch from each.
+            keep: Called with the number of finished epochs before an epoch's state is kept;
+                may be called for the same epoch again after an interruption.
+            report: Called with the same number after an epoch's state was kept.
+        """
+        optimiser = torch.optim.AdamW(
+            network.parameters(), lr=0.0, weight_decay=self.schedule.weight_decay, fused=True
+        )
+        with one_thread():
+            for epoch in range(self._restore(network, optimiser), self.schedule.epochs):
+                self._run_epoch(epoch, network, sources, optimiser)
+                keep(epoch + 1)
+                self._keep(epoch + 1, network, optimiser)
+                report(epoch + 1)
+
+    def finish(self) -> None:
+        """Forget the state, once the result is kept."""
+        self.state.unlink(missing_ok=True)
+
+    def _run_epoch(
+        self,
+        epoch: int,
+        network: Classifier | ParameterNetwork,
+        sources: Sequence[tuple[Source, int]],
+        optimiser: torch.optim.AdamW,
+    ) -> None:
+        # An epoch's draws depend on nothing before it: a resumed training draws the same.
+        generator = seeded(self.seed, self.state.name, epoch)
+        noise = torch.Generator().manual_seed(int(generator.integers(2**62)))
+        steps = self.schedule.steps_per_epoch
+        draws = [
+            source.draws(generator, steps * size).reshape(steps, size) for source, size in sources
+        ]
+        for step in range(steps):
+            for group in optimiser.param_groups:
+                group["lr"] = self.schedule.rate(epoch * steps + step)
+            batches = [
+                source.batch(rows[step])
+                for (source, _), rows in zip(sources, draws, strict=True)
+            ]
+            optimiser.zero_grad()
+            network.loss(_join(batches), noise).backward()
+            nn.utils.clip_grad_norm_(network.parameters(), 10.0)
+            optimiser.step()
+
+    def _keep(self, epoch: int, network: nn.Module, optimiser: torch.optim.AdamW) -> None:
+        tensors = {f"network.{name}": value for name, value in network.state_dict().items()}
+        for place, state in optimiser.state_dict()["state"].items():
+            tensors |= {f"adam.{place}.{name}": value for name, value in state.items()}
+        write_tensors(self.state, tensors, {"epoch": str(epoch), "identity": self.identity})
+
+    def _restore(self, network: nn.Module, optimiser: torch.optim.AdamW) -> int:
+        """Go back to the last finished epoch, and return how many were finished."""
+        if not self.state.exists():
+            return 0
+        tensors, notes = read_tensors(self.state)
+        check_identity(self.state, notes, self.identity)
+        weights, moments = {}, dict[int, dict[str, Tensor]]()
+        for name, value in tensors.items():
+            part, _, rest = name.partition(".")
+            if part == "network":
+                weights[rest] = value
+            else:
+                place, _, key = rest.partition(".")
+                moments.setdefault(int(place), {})[key] = value
+        network.load_state_dict(weights)
+        state: dict[str, Any] = optimiser.state_dict()
+        state["state"] = moments
+        optimiser.load_state_dict(state)
+        return int(notes["epoch"])
+
+
+def check_identity(path: Path, notes: dict[str, str], identity: str) -> None:
+    """Make sure that a file was left by the training that goes on.
+
+    Raises:
+        WeightsError: If it was left by another one.
+    """
+    if notes.get("identity") != identity:
+        raise WeightsError(
+            f"{path} was left by a training with other settings, seed or data. Remove "
+            f"{path.parent} to train anew, or train into another folder."
+        )
+
+
+def seeded(seed: int, name: str, number: int) -> np.random.Generator:
+    """Return the generator of a named and numbered part of a training."""
+    return np.random.default_rng([seed, zlib.crc32(name.encode()), number])
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Use one thread: small matrices are no faster on more, and sums keep their order."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
+
+
+def _join(batches: Sequence[Examples]) -> Examples:
+    if len(batches) == 1:
+        return batches[0]
+    return Examples(*(torch.cat(parts) for parts in zip(*batches, strict=True)))

@@ -1,0 +1,141 @@
+"""What is kept of a training: weights as safetensors, and a card, YAML, of what they are for.
+
+Nothing is unpickled. Every file is written aside and renamed, so that none is ever half there.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save
+from torch import Tensor, nn
+
+from prime_core.errors import PrimeError
+from prime_core.idm import PrimitiveSpace
+from prime_core.scene import SceneDescription
+
+CARD = "model.yaml"
+
+Card = dict[str, Any]
+
+
+class WeightsError(PrimeError):
+    """A folder does not hold the weights that are asked for."""
+
+
+def make_card(
+    kind: str, settings: Card, description: SceneDescription, space: PrimitiveSpace
+) -> Card:
+    """Return what weights are for, as plain data.
+
+    Args:
+        kind: Name that the settings are registered under.
+        settings: Their dump.
+        description: Of the scenes that the networks see.
+        space: The primitives that they know.
+    """
+    objects = {item.name: {"yaw_symmetry": item.yaw_symmetry} for item in description.objects}
+    primitives = {
+        name: {item.name: {"unit": item.unit, "period": item.period} for item in space.parameters}
+        for name, space in zip(space.names, space.parameter_spaces, strict=True)
+    }
+    return {
+        "kind": kind,
+        "format": 1,
+        "settings": settings,
+        # Their order is part of what the weights mean.
+        "object_order": list(objects),
+        "objects": objects,
+        "primitive_order": list(primitives),
+        "primitives": primitives,
+    }
+
+
+def write_card(folder: Path, card: Card) -> None:
+    """Write a card into a folder."""
+    write_file(folder / CARD, yaml.safe_dump(card, sort_keys=False).encode())
+
+
+def check_card(folder: Path, card: Card) -> None:
+    """Make sure that a folder's card is the one expected.
+
+    Raises:
+        WeightsError: If there is none, or if it is another one.
+    """
+    path = folder / CARD
+    if not path.is_file():
+        raise WeightsError(
+            f"{folder} holds no trained {card['kind']!r}: {CARD} is missing. Either the training "
+            "has not finished, or this is not a folder that a training wrote."
+        )
+    try:
+        found = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise WeightsError(f"{path} is not readable YAML: {error}") from error
+    differences = list(_differences(found, card))
+    if differences:
+        raise WeightsError(f"{path} is of another model than asked for: {'; '.join(differences)}")
+
+
+def _differences(found: Any, expected: Any, key: str = "") -> list[str]:
+    """Return one sentence for each key with another value."""
+    if not (isinstance(found, dict) and isinstance(expected, dict)):
+        return [] if found == expected else [f"{key or 'it'} is {found!r} there, {expected!r} here"]
+    result = []
+    for name in dict.fromkeys((*expected, *found)):
+        here = f"{key}.{name}" if key else str(name)
+        if name not in found:
+            result.append(f"{here} is missing there")
+        elif name not in expected:
+            result.append(f"{here} is only there")
+        else:
+            result += _differences(found[name], expected[name], here)
+    return result
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file so that it is either whole or not there, even after a power cut."""
+    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with aside.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    aside.replace(path)
+
+
+def write_tensors(path: Path, tensors: Mapping[str, Tensor], notes: Mapping[str, str]) -> None:
+    """Write tensors, with notes as the file's metadata."""
+    owned = {name: tensor.detach().contiguous() for name, tensor in tensors.items()}
+    write_file(path, save(owned, dict(notes)))
+
+
+def read_tensors(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
+    """Read tensors and notes.
+
+    Raises:
+        WeightsError: If the file is missing or no safetensors file.
+    """
+    if not path.is_file():
+        raise WeightsError(f"{path} is missing: the folder is incomplete; train again")
+    try:
+        with safe_open(path, framework="pt") as file:
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            return tensors, dict(file.metadata() or {})
+    except SafetensorError as error:
+        raise WeightsError(f"{path} is no safetensors file: {error}") from error
+
+
+def load_weights(network: nn.Module, path: Path) -> None:
+    """Load a network's weights from a file.
+
+    Raises:
+        WeightsError: If the file is missing, or holds another network's weights.
+    """
+    tensors, _ = read_tensors(path)
+    try:
+        network.load_state_dict(tensors)
+    except RuntimeError as error:
+        raise WeightsError(f"{path} holds the weights of another network: {error}") from error

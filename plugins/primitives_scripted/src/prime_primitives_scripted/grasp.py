@@ -1,0 +1,62 @@
+"""Grasp: close the gripper about an object."""
+
+from collections.abc import Sequence
+
+from prime_core.primitive import Motion
+from prime_core.scene import Affordance, Scene, SceneDescription
+from pydantic import PositiveInt
+
+from prime_primitives_scripted.phases import CLOSE, OPEN, hold
+from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+
+
+class GraspConfig(ScriptedConfig):
+    """Settings of the primitive grasp."""
+
+    position_std: tuple[float, float, float] = (0.001, 0.001, 0.001)
+    """Standard deviations of the parameter prior in x, y, z [m]."""
+    closing_steps: PositiveInt = 10
+    """Motor actions that the gripper takes to close."""
+
+    def build(self, description: SceneDescription) -> "Grasp":
+        """Make the primitive; see `PrimitiveConfig`."""
+        return Grasp(self, description)
+
+
+class Grasp(ScriptedPrimitive):
+    """Lifts, travels above the goal, descends with the gripper open, and closes it.
+
+    Args:
+        config: Its settings.
+        description: Of the scenes that it will work in.
+    """
+
+    name = "grasp"
+
+    def __init__(self, config: GraspConfig, description: SceneDescription) -> None:
+        super().__init__(config, description)
+        self._closing_steps = config.closing_steps
+        self.maximum_steps += config.closing_steps
+
+    def can_start(self, scene: Scene) -> bool:
+        """Only with nothing held."""
+        return scene.held is None
+
+    def affordances(self, scene: Scene) -> Sequence[Affordance]:
+        """Return the centres for grasping."""
+        return scene.description.affordances_for("grasp")
+
+    def motion(self, scene: Scene, parameters: Array) -> Motion:
+        """Return the motion that starts in a scene; see `Primitive`."""
+        goal = self._goal(scene, parameters)
+        scene = yield from self._approach(scene, goal, OPEN)
+        if self._is_there(scene, parameters):
+            yield from hold(scene, goal, self._servo, CLOSE, self._closing_steps)
+
+    def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
+        """Whether the gripper is there and has come to hold an object that may be grasped."""
+        before, after = scenes[0], scenes[-1]
+        if before.held is not None or after.held is None:
+            return False
+        held = after.description.objects[after.object_index(after.held)]
+        return held.graspable and self._is_there(after, parameters)

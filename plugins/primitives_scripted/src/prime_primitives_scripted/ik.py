@@ -1,0 +1,153 @@
+"""Inverse kinematics with limits: the only module that imports mink and mujoco.
+
+A differential step solves, for the change of joint positions dq,
+
+    minimise  |W (J dq - e)|^2 + damping |dq|^2   subject to   G dq <= h
+
+where e is the error of the gripper's pose (6,), J its Jacobian (6, J), and G, h hold the
+joint position, joint velocity and collision limits. Every solve starts cold from the joints
+it is given, so that results do not depend on what was solved before.
+"""
+
+from typing import Any
+
+import mink
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from prime_core.errors import PrimeError
+from prime_core.rotations import gripper_down, yaw_of
+from prime_core.scene import RobotDescription
+
+from prime_primitives_scripted.clearance import Clearance
+
+Array = NDArray[np.float64]
+
+SOLVER = "daqp"
+DAMPING = 1e-4
+ORIENTATION_COST = 0.3  # [m/rad]: where limits bind, 1 mm of position counts like 3 mrad
+TRACKING_TIME = 0.17  # [s] in which a compliant arm follows a command, for velocity limits
+CLEARANCE = 0.002  # [m] to keep between hand and furniture
+NOTICE_DISTANCE = 0.05  # [m] from which furniture counts
+SOLVE_STEPS = 40
+POSITION_PRECISION = 5e-4  # [m]
+ANGLE_PRECISION = 5e-3  # [rad]
+
+
+class InverseKinematics:
+    """Solves for joint positions of one arm; not to be shared between threads.
+
+    Args:
+        robot: The arm.
+        joint_margin: Distance to keep from the joints' limits [rad]. A stretched elbow
+            locks an operational-space controller, so it must not be zero.
+
+    Raises:
+        PrimeError: If the robot's model has other joints than the arm's.
+    """
+
+    def __init__(self, robot: RobotDescription, joint_margin: float = 0.1) -> None:
+        self._model = mujoco.MjModel.from_xml_string(robot.mjcf)
+        self._order = _joint_order(self._model, robot)
+        self._site = self._model.site(robot.end_effector).id
+        self._configuration = mink.Configuration(self._model)
+        ranges = np.where(self._model.jnt_limited[:, None] > 0, self._model.jnt_range, [-1e3, 1e3])
+        self._low = ranges[:, 0] + joint_margin
+        self._high = ranges[:, 1] - joint_margin
+        self._task = mink.FrameTask(robot.end_effector, "site", 1.0, ORIENTATION_COST)
+        self._limits: list[Any] = [
+            mink.ConfigurationLimit(self._model, min_distance_from_limits=joint_margin)
+        ]
+        if robot.joint_velocity_limits:
+            speeds = dict(zip(robot.joint_names, robot.joint_velocity_limits, strict=True))
+            self._limits.append(mink.VelocityLimit(self._model, speeds))
+        hand, furniture = (
+            [int(self._model.geom(name).id) for name in names]
+            for names in (robot.hand_geoms, robot.furniture_geoms)
+        )
+        data = self._configuration.data
+        self._clearance = Clearance(self._model, data, hand, furniture, NOTICE_DISTANCE)
+        self._collision_limit = mink.CollisionAvoidanceLimit(
+            self._model,
+            [(hand, furniture)],
+            minimum_distance_from_collisions=CLEARANCE,
+            collision_detection_distance=NOTICE_DISTANCE,
+        )
+
+    def forward(self, joints: Array) -> Array:
+        """Return the goal ``(4,)`` that joint positions ``(J,)`` [rad] put the gripper at."""
+        self._configuration.update(self._inside(joints))
+        return self._gripper_goal()
+
+    def step(self, joints: Array, waypoint: Array) -> Array:
+        """Return the nearest pose to a waypoint that the arm can head for from its joints.
+
+        Args:
+            joints: Joint positions [rad], ``(J,)``.
+            waypoint: x, y, z [m] and yaw [rad], ``(4,)``; near the gripper, a few
+                centimetres at most.
+
+        Returns:
+            x, y, z [m] and yaw [rad], ``(4,)``.
+        """
+        self._configuration.update(self._inside(joints))
+        self._aim(waypoint)
+        self._advance()
+        return self._gripper_goal()
+
+    def solve(self, joints: Array, goal: Array) -> Array | None:
+        """Return joint positions that put the gripper at a goal, within all limits.
+
+        Args:
+            joints: Where to start from [rad], ``(J,)``.
+            goal: x, y, z [m] and yaw [rad], ``(4,)``.
+
+        Returns:
+            Joint positions [rad], ``(J,)``, or None if none are found.
+        """
+        self._configuration.update(self._inside(joints))
+        self._aim(goal)
+        for _ in range(SOLVE_STEPS):
+            error = self._task.compute_error(self._configuration)
+            exact = np.linalg.norm(error[:3]) < POSITION_PRECISION
+            if exact and np.linalg.norm(error[3:]) < ANGLE_PRECISION:
+                return self._configuration.q[self._order]
+            self._advance()
+        return None
+
+    def _inside(self, joints: Array) -> Array:
+        """Return model positions within the margins: from there, standing still is feasible."""
+        positions = np.empty(self._model.nq)
+        positions[self._order] = joints
+        return np.clip(positions, self._low, self._high)
+
+    def _aim(self, goal: Array) -> None:
+        pose = mink.SE3(wxyz_xyz=np.concatenate((gripper_down(goal[3]), goal[:3])))
+        self._task.set_target(pose)
+
+    def _advance(self) -> None:
+        limits = self._limits
+        if self._clearance.is_near(self._configuration.data):
+            limits = [*limits, self._collision_limit]
+        velocity = mink.solve_ik(
+            self._configuration, [self._task], TRACKING_TIME, SOLVER, DAMPING, limits=limits
+        )
+        self._configuration.integrate_inplace(velocity, TRACKING_TIME)
+
+    def _gripper_goal(self) -> Array:
+        data = self._configuration.data
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, data.site_xmat[self._site])
+        return np.append(data.site_xpos[self._site], yaw_of(quaternion))
+
+
+def _joint_order(model: mujoco.MjModel, robot: RobotDescription) -> NDArray[np.int64]:
+    """Return where the arm's joints are in the model's positions, ``(J,)``."""
+    names = {model.joint(index).name for index in range(model.njnt)}
+    if names != set(robot.joint_names) or model.nq != len(robot.joint_names):
+        raise PrimeError(
+            f"a robot's model must have the joints {', '.join(robot.joint_names)} and no other; "
+            f"it has {', '.join(sorted(names)) or 'none'}"
+        )
+    addresses = [int(model.joint(name).qposadr[0]) for name in robot.joint_names]
+    return np.array(addresses, dtype=np.int64)

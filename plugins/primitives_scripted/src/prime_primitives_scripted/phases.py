@@ -1,0 +1,142 @@
+"""Phases of motion: generators that are composed with ``yield from``.
+
+A phase yields motor actions, is sent the scene after each, and returns the last scene.
+"""
+
+from collections.abc import Callable, Generator
+
+import numpy as np
+from numpy.typing import NDArray
+from prime_core.environment import Action
+from prime_core.scene import Scene
+
+from prime_primitives_scripted.goal import (
+    distance,
+    gripper_goal,
+    jaw_distance,
+    plane_distance,
+)
+from prime_primitives_scripted.servo import Servo
+
+Array = NDArray[np.float64]
+Phase = Generator[Action, Scene, Scene]
+
+OPEN = -1.0
+CLOSE = 1.0
+
+WAYPOINT_DISTANCE = 0.02  # [m] from lift height, and from above the goal
+WAYPOINT_ANGLE = 0.2  # [rad]
+SETTLED_DISTANCE = 0.0015  # [m]
+SETTLED_ANGLE = 0.01  # [rad]
+STALL_STEPS = 5
+STALL_PROGRESS = 0.0002  # [m] in so many steps
+
+
+def move_while(
+    unfinished: Callable[[Scene], bool], scene: Scene, goal: Array, servo: Servo, gripper: float
+) -> Phase:
+    """Head for a goal as long as a condition holds.
+
+    Args:
+        unfinished: Asked before each step.
+        scene: Where it starts.
+        goal: ``(4,)``.
+        servo: Makes the actions.
+        gripper: The gripper's command throughout.
+    """
+    while unfinished(scene):
+        scene = yield servo.action(scene, goal, gripper)
+    return scene
+
+
+def approach(scene: Scene, goal: Array, servo: Servo, gripper: float) -> Phase:
+    """Lift, travel above the goal, descend and settle there.
+
+    The height of travel is a constant of the scene. Were it the present height where that is
+    greater, every motion would start from where the last one had drifted up to.
+
+    Args:
+        scene: Where it starts.
+        goal: ``(4,)``.
+        servo: Makes the actions.
+        gripper: The gripper's command throughout.
+    """
+    lift_height = scene.description.lift_height
+    if not is_above(scene, goal):
+        lifted = gripper_goal(scene)
+        lifted[2] = lift_height
+        low = lift_height - WAYPOINT_DISTANCE
+        scene = yield from move_while(
+            lambda now: bool(now.gripper_position[2] < low), scene, lifted, servo, gripper
+        )
+        above = np.array([goal[0], goal[1], lift_height, goal[3]])
+        scene = yield from move_while(
+            lambda now: not is_above(now, goal), scene, above, servo, gripper
+        )
+    return (yield from settle(scene, goal, servo, gripper))
+
+
+def settle(scene: Scene, goal: Array, servo: Servo, gripper: float) -> Phase:
+    """Head for a goal until the gripper is there or gets no nearer.
+
+    Args:
+        scene: Where it starts.
+        goal: ``(4,)``.
+        servo: Makes the actions.
+        gripper: The gripper's command throughout.
+    """
+    nearest, stalled = np.inf, 0
+    while not is_settled(scene, goal) and stalled < STALL_STEPS:
+        scene = yield servo.action(scene, goal, gripper)
+        # A turn counts as the way of a fingertip 0.1 m from the axis.
+        left = distance(scene, goal) + 0.1 * jaw_distance(scene, goal[3])
+        stalled = 0 if left < nearest - STALL_PROGRESS else stalled + 1
+        nearest = min(nearest, left)
+    return scene
+
+
+def hold(scene: Scene, goal: Array, servo: Servo, gripper: float, steps: int) -> Phase:
+    """Stay at a goal for some steps while the gripper opens or closes.
+
+    Args:
+        scene: Where it starts.
+        goal: ``(4,)``.
+        servo: Makes the actions.
+        gripper: The gripper's command throughout.
+        steps: How many.
+    """
+    for _ in range(steps):
+        scene = yield servo.action(scene, goal, gripper)
+    return scene
+
+
+def at_most(steps: int, scene: Scene, phase: Phase) -> Phase:
+    """Cut a phase off.
+
+    Args:
+        steps: Motor actions that it may take.
+        scene: Where it starts.
+        phase: The phase, not yet begun.
+    """
+    try:
+        action = next(phase)
+        for _ in range(steps):
+            scene = yield action
+            action = phase.send(scene)
+    except StopIteration as end:
+        last: Scene = end.value
+        return last
+    phase.close()
+    return scene
+
+
+def is_above(scene: Scene, goal: Array) -> bool:
+    """Whether the gripper may descend (or rise) to a goal."""
+    near = plane_distance(scene, goal) < WAYPOINT_DISTANCE
+    return near and jaw_distance(scene, goal[3]) < WAYPOINT_ANGLE
+
+
+def is_settled(scene: Scene, goal: Array) -> bool:
+    """Whether the gripper is where it should be, closer than success asks for."""
+    near = distance(scene, goal) < SETTLED_DISTANCE
+    return near and jaw_distance(scene, goal[3]) < SETTLED_ANGLE

@@ -1,0 +1,75 @@
+"""Place: put down what the gripper holds."""
+
+from collections.abc import Sequence
+
+from prime_core.primitive import Motion
+from prime_core.scene import Affordance, Scene, SceneDescription
+from pydantic import PositiveInt
+
+from prime_primitives_scripted.goal import jaw_distance, plane_distance
+from prime_primitives_scripted.phases import CLOSE, OPEN, hold
+from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+
+
+class PlaceConfig(ScriptedConfig):
+    """Settings of the primitive place."""
+
+    position_std: tuple[float, float, float] = (0.01, 0.01, 0.1)
+    """Standard deviations of the parameter prior in x, y, z [m]."""
+    opening_steps: PositiveInt = 10
+    """Motor actions that the gripper takes to open."""
+
+    def build(self, description: SceneDescription) -> "Place":
+        """Make the primitive; see `PrimitiveConfig`."""
+        return Place(self, description)
+
+
+class Place(ScriptedPrimitive):
+    """Lifts, travels above the goal, descends with what is held, and opens the gripper.
+
+    It lets go where the way down is blocked too, for then the object stands on something.
+
+    Args:
+        config: Its settings.
+        description: Of the scenes that it will work in.
+    """
+
+    name = "place"
+
+    def __init__(self, config: PlaceConfig, description: SceneDescription) -> None:
+        super().__init__(config, description)
+        self._opening_steps = config.opening_steps
+        self.maximum_steps += config.opening_steps
+
+    def can_start(self, scene: Scene) -> bool:
+        """Only with something held."""
+        return scene.held is not None
+
+    def affordances(self, scene: Scene) -> Sequence[Affordance]:
+        """Return the centres for placing, but for those that go with what is held."""
+        found = scene.description.affordances_for("place")
+        return [item for item in found if item.reference is None or item.reference != scene.held]
+
+    def motion(self, scene: Scene, parameters: Array) -> Motion:
+        """Return the motion that starts in a scene; see `Primitive`."""
+        goal = self._goal(scene, parameters)
+        scene = yield from self._approach(scene, goal, CLOSE)
+        if self._is_over(scene, parameters):
+            yield from hold(scene, goal, self._servo, OPEN, self._opening_steps)
+
+    def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
+        """Whether the object was held until it was let go of, and nothing is held now.
+
+        The last steps are the gripper's opening; an object that was lost before is not held
+        when they begin, and without them the gripper has not opened.
+        """
+        if len(scenes) <= self._opening_steps or scenes[0].held is None:
+            return False
+        release, after = scenes[-1 - self._opening_steps], scenes[-1]
+        opened = after.gripper_opening > release.gripper_opening
+        return release.held == scenes[0].held and opened and after.held is None
+
+    def _is_over(self, scene: Scene, parameters: Array) -> bool:
+        """Whether the gripper is where it was called to, whatever its height."""
+        near = plane_distance(scene, parameters) < self._config.position_tolerance
+        return near and jaw_distance(scene, parameters[3]) < self._config.yaw_tolerance

@@ -1,0 +1,96 @@
+"""What all scripted primitives share: parameters, bounds, the arm's limits."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from prime_core.primitive import Primitive, PrimitiveConfig
+from prime_core.primitive_calls import Parameter, ParameterSpace
+from prime_core.scene import Affordance, Scene, SceneDescription
+from pydantic import PositiveFloat, PositiveInt
+
+from prime_primitives_scripted import prior
+from prime_primitives_scripted.goal import (
+    JAW_PERIOD,
+    distance,
+    equivalent_goals,
+    jaw_distance,
+)
+from prime_primitives_scripted.phases import Phase, approach, at_most
+from prime_primitives_scripted.servo import make_servo
+
+Array = NDArray[np.float64]
+
+
+class ScriptedConfig(PrimitiveConfig):
+    """Settings of a scripted primitive."""
+
+    inverse_kinematics: bool = True
+    """Whether to move within the limits of the arm; False steers by the gripper's pose alone."""
+    position_std: tuple[float, float, float]
+    """Standard deviations of the parameter prior in x, y, z [m]."""
+    yaw_std: float = 0.05
+    """Standard deviation of the parameter prior in yaw [rad]."""
+    position_tolerance: PositiveFloat = 0.01
+    """How far from its position parameters it may end [m]."""
+    yaw_tolerance: PositiveFloat = 0.2
+    """How far from its yaw parameter it may end [rad]."""
+    approach_steps: PositiveInt = 70
+    """Motor actions that it may take on the way."""
+
+
+class ScriptedPrimitive(Primitive):
+    """A primitive whose parameters are where the gripper goes: x, y, z [m] and yaw [rad].
+
+    Args:
+        config: Its settings.
+        description: Of the scenes that it will work in.
+    """
+
+    def __init__(self, config: ScriptedConfig, description: SceneDescription) -> None:
+        self.parameter_space = pose_space(description)
+        self.maximum_steps = config.approach_steps
+        self._config = config
+        self._servo = make_servo(description, config.inverse_kinematics)
+
+    @abstractmethod
+    def affordances(self, scene: Scene) -> Sequence[Affordance]:
+        """Return what the parameter prior is centred on in a scene."""
+
+    def propose(self, scene: Scene, generator: np.random.Generator) -> Array:
+        """Draw x, y, z and yaw near an affordance's centre, ``(4,)``, within the bounds."""
+        std = (*self._config.position_std, self._config.yaw_std)
+        return prior.draw(scene, self.affordances(scene), self.parameter_space, std, generator)
+
+    def reachable(self, scene: Scene, parameters: Array) -> bool:
+        """Whether the arm can get there from above within its limits and clear of furniture."""
+        if not self.parameter_space.contains(parameters):
+            return False
+        return self._servo.plan(scene, parameters) is not None
+
+    def _goal(self, scene: Scene, parameters: Array) -> Array:
+        """Return the goal to head for, ``(4,)``; the nearest if none can be reached."""
+        planned = self._servo.plan(scene, parameters)
+        return equivalent_goals(parameters, scene.gripper_yaw)[0] if planned is None else planned
+
+    def _approach(self, scene: Scene, goal: Array, gripper: float) -> Phase:
+        phase = approach(scene, goal, self._servo, gripper)
+        return at_most(self._config.approach_steps, scene, phase)
+
+    def _is_there(self, scene: Scene, parameters: Array) -> bool:
+        """Whether the gripper is within the tolerances of where it was called to."""
+        near = distance(scene, parameters) < self._config.position_tolerance
+        return near and jaw_distance(scene, parameters[3]) < self._config.yaw_tolerance
+
+
+def pose_space(description: SceneDescription) -> ParameterSpace:
+    """Return the space of gripper poses in the workspace box, with yaw within a quarter turn."""
+    positions = [
+        Parameter(name, "m", low, high)
+        for name, low, high in zip(
+            ("x", "y", "z"), description.workspace_low, description.workspace_high, strict=True
+        )
+    ]
+    yaw = Parameter("yaw", "rad", -JAW_PERIOD / 2, JAW_PERIOD / 2, period=JAW_PERIOD)
+    return ParameterSpace((*positions, yaw))

@@ -1,0 +1,113 @@
+"""From where the gripper should be to the motor action of one control step."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from prime_core.environment import ACTION_LIMIT, Action
+from prime_core.rotations import wrap_angle
+from prime_core.scene import Scene, SceneDescription
+
+from prime_primitives_scripted.goal import equivalent_goals, gripper_goal, offset
+
+if TYPE_CHECKING:
+    from prime_primitives_scripted.ik import InverseKinematics
+
+Array = NDArray[np.float64]
+
+STEP_LIMIT = float(ACTION_LIMIT[0])  # metres
+TURN_LIMIT = float(ACTION_LIMIT[3])  # radians
+
+
+class Servo:
+    """Moves the gripper straight towards a goal.
+
+    Each step commands the whole remaining error, or as much as an action holds. A critically
+    damped arm that chases its commands then neither overshoots nor stops short.
+    """
+
+    def action(self, scene: Scene, goal: Array, gripper: float) -> Action:
+        """Return the motor action of one step.
+
+        Args:
+            scene: The scene now.
+            goal: Where the gripper should come to be, ``(4,)``.
+            gripper: The gripper's command, from -1 (open) to 1 (close).
+
+        Returns:
+            ``(5,)``, within the limits of an action.
+        """
+        move = limited(offset(goal, gripper_goal(scene)))
+        return np.append(self._feasible(scene, move), gripper)
+
+    def plan(self, scene: Scene, parameters: Array) -> Array | None:
+        """Return the goal to head for, or None if the arm cannot get there.
+
+        Args:
+            scene: Where the motion starts.
+            parameters: x, y, z [m] and the jaws' yaw [rad], ``(4,)``.
+
+        Returns:
+            The goal with the shorter turn that can be reached, ``(4,)``.
+        """
+        return equivalent_goals(parameters, scene.gripper_yaw)[0]
+
+    def _feasible(self, scene: Scene, move: Array) -> Array:
+        return move
+
+
+class KinematicServo(Servo):
+    """Moves the gripper within the limits of the arm's joints and clear of furniture.
+
+    Args:
+        inverse_kinematics: Of the arm in the scenes.
+        lift_height: World height at which the gripper travels [m].
+    """
+
+    def __init__(self, inverse_kinematics: "InverseKinematics", lift_height: float) -> None:
+        self._inverse_kinematics = inverse_kinematics
+        self._lift_height = lift_height
+
+    def plan(self, scene: Scene, parameters: Array) -> Array | None:
+        """Return the nearest goal that can be reached from above; see `Servo`."""
+        for goal in equivalent_goals(parameters, scene.gripper_yaw):
+            above = np.array([goal[0], goal[1], self._lift_height, goal[3]])
+            joints = self._inverse_kinematics.solve(scene.joint_positions, above)
+            if joints is not None and self._inverse_kinematics.solve(joints, goal) is not None:
+                return goal
+        return None
+
+    def _feasible(self, scene: Scene, move: Array) -> Array:
+        here = gripper_goal(scene)
+        pose = self._inverse_kinematics.step(scene.joint_positions, here + move)
+        return limited(offset(pose, here))
+
+
+def limited(move: Array) -> Array:
+    """Shorten a move until an action holds it; its direction in space stays.
+
+    Args:
+        move: x, y, z [m] and yaw [rad], ``(4,)``.
+
+    Returns:
+        ``(4,)``.
+    """
+    largest = float(np.max(np.abs(move[:3])))
+    shift = move[:3] * min(1.0, STEP_LIMIT / max(largest, STEP_LIMIT))
+    turn = np.clip(move[3], -TURN_LIMIT, TURN_LIMIT)
+    return np.append(shift, turn)
+
+
+def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo:
+    """Return the servo for the scenes of an environment.
+
+    Args:
+        description: Of the scenes; without a robot there is nothing to solve.
+        inverse_kinematics: Whether to respect the limits of the arm.
+    """
+    if description.robot is None or not inverse_kinematics:
+        return Servo()
+    # mink and mujoco take most of a second to import: only when they are used.
+    from prime_primitives_scripted.ik import InverseKinematics
+
+    return KinematicServo(InverseKinematics(description.robot), description.lift_height)

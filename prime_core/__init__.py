@@ -1,0 +1,1 @@
+"""prime: robot imitation learning with behaviour primitives."""

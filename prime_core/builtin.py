@@ -1,0 +1,20 @@
+"""What the core itself registers, through the same hooks as everybody."""
+
+from prime_core.hookspecs import Register, hookimpl
+
+
+@hookimpl
+def register_parsers(register: Register) -> None:
+    """Register the parsers of the paper."""
+    from prime_core.parsers import DynamicProgrammingConfig, GreedyConfig
+
+    register("dp", DynamicProgrammingConfig)
+    register("greedy", GreedyConfig)
+
+
+@hookimpl
+def register_demonstrators(register: Register) -> None:
+    """Register demonstrations from LeRobot data sets."""
+    from prime_core.lerobot_demonstrator import LeRobotDemonstratorConfig
+
+    register("lerobot", LeRobotDemonstratorConfig)

@@ -1,0 +1,58 @@
+"""How a check says what is wrong."""
+
+from typing import Any
+
+import numpy as np
+
+from prime_core.errors import PrimeError
+
+
+class CheckError(PrimeError):
+    """A third party's part breaks its contract; the text says what would keep it."""
+
+
+def require(holds: bool, text: str) -> None:
+    """Raise unless a requirement holds.
+
+    Args:
+        holds: Whether it does.
+        text: What is wrong, and what would be right.
+
+    Raises:
+        CheckError: If it does not hold.
+    """
+    if not holds:
+        raise CheckError(text)
+
+
+def require_array(value: Any, shape: tuple[int, ...], kind: type[np.generic], subject: str) -> None:
+    """Raise unless a value is a finite array.
+
+    Args:
+        value: What to look at.
+        shape: What its shape must be.
+        kind: What its dtype must be or derive from, such as ``np.floating``.
+        subject: What the text calls it.
+
+    Raises:
+        CheckError: If it is something else.
+    """
+    wanted = f"it must be a numpy array {shape} of {kind.__name__}"
+    require(isinstance(value, np.ndarray), f"{subject} is a {type(value).__name__}: {wanted}")
+    found = f"{subject} is {value.shape} of {value.dtype}"
+    require(value.shape == shape and np.issubdtype(value.dtype, kind), f"{found}: {wanted}")
+    finite = bool(np.all(np.isfinite(value)))
+    require(finite, f"{subject} holds {value}: all its numbers must be finite")
+
+
+def require_bool(value: Any, subject: str) -> None:
+    """Raise unless a value is True or False itself, not something like it.
+
+    Raises:
+        CheckError: If it is something else, such as a numpy bool.
+    """
+    require(
+        isinstance(value, bool),
+        f"{subject} is {value!r}, a {type(value).__name__}: it must be True or False; "
+        "put bool(...) around it",
+    )

@@ -1,0 +1,32 @@
+"""``prime parse``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def parse(
+    dataset: Annotated[Path, typer.Argument(help="A LeRobot data set, or a robosuite HDF5 file.")],
+    run: Annotated[Path, typer.Option("--run", help="The folder of a run with a trained IDM.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Where to write; beside the data set if not given.")
+    ] = None,
+) -> None:
+    """Parse demonstrations from elsewhere with the IDM of a run."""
+    from rich.console import Console
+
+    from prime_core.foreign_parsing import parse_foreign
+    from prime_core.stages.parsing import parsing_summary
+
+    console = Console()
+    target = out or dataset.with_name(dataset.stem + "-parsed")
+    summary = parsing_summary(parse_foreign(dataset, run, target))
+    console.print(
+        f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "
+        f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
+        f"unexplained.\nWritten to {target}",
+        highlight=False,
+    )
+    for index, names in enumerate(summary["sequences"]):
+        console.print(f"  {index}: {' '.join(names)}", highlight=False)

@@ -1,0 +1,20 @@
+"""``prime show``."""
+
+from prime_core.cli.options import RUNS, ExperimentArgument, OutOption, SetOption
+
+
+def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption = RUNS) -> None:
+    """Show an experiment with all defaults, which of its stages are done, and where."""
+    from rich.console import Console
+    from rich.syntax import Syntax
+
+    from prime_core.experiment import Experiment
+    from prime_core.experiment_config import dump_experiment, read_experiment
+    from prime_core.summary import stage_table
+
+    console = Console()
+    config = read_experiment(experiment, set_ or ())
+    console.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
+    job = Experiment(config, out / config.name)
+    console.print(f"in {job.folder}:", highlight=False)
+    console.print(stage_table(job))

@@ -1,0 +1,12 @@
+"""``prime validate``."""
+
+from prime_core.cli.options import ExperimentArgument, SetOption
+
+
+def validate(experiment: ExperimentArgument, set_: SetOption = None) -> None:
+    """Check an experiment without running anything of it."""
+    from prime_core.experiment_config import read_experiment
+
+    config = read_experiment(experiment, set_ or ())
+    names = ", ".join(config.policies)
+    print(f"{experiment}: experiment {config.name!r} is right (policies: {names})")

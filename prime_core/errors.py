@@ -1,0 +1,40 @@
+"""The errors that a user can cause."""
+
+import difflib
+from collections.abc import Iterable
+
+
+class PrimeError(Exception):
+    """Root of all errors that a user can cause; its text says what would be right."""
+
+
+class ConfigurationError(PrimeError):
+    """A setting is wrong. The text names the file and the key."""
+
+
+class UnknownTypeError(ConfigurationError):
+    """A name is asked for that nothing is registered under.
+
+    Args:
+        kind: What was asked for, such as ``"environment"``.
+        name: The name that is not there.
+        known: The names that are.
+        advice: What else the reader may do.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], advice: str = "") -> None:
+        names = sorted(known)
+        near = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
+        guess = f" Did you mean {near[0]!r}?" if near else ""
+        listing = ", ".join(names) or "none"
+        super().__init__(
+            f"no {kind} is registered as {name!r}.{guess} Registered: {listing}.{advice}"
+        )
+
+
+class PluginError(PrimeError):
+    """A plugin is broken."""
+
+
+class DatasetError(PrimeError):
+    """A data set is broken, or not what it is asked to be."""

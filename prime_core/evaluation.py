@@ -1,0 +1,95 @@
+"""Runs a policy over primitives in an environment, trial by trial."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+
+from prime_core.configuration import Config
+from prime_core.environment import Environment
+from prime_core.execution import OnStep, run_primitive
+from prime_core.policy import Policy
+from prime_core.primitive import Primitive
+from prime_core.primitive_calls import PrimitiveCall
+
+
+class EvaluationConfig(Config):
+    """Settings of the evaluation (paper, section IV-B)."""
+
+    trials: int = Field(50, ge=1)
+    """Trials of each checkpoint."""
+    top_checkpoints: int = Field(5, ge=1)
+    """The best checkpoints of a seed, whose success rates are averaged."""
+    fresh_trials: int = Field(200, ge=0)
+    """Trials of the last checkpoint, on first states of their own."""
+    maximum_steps: int = Field(400, ge=1)
+    """Motor actions of a trial at most."""
+    seed: int = 1
+    """Of the trials' first states; no other stage draws from it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One trial.
+
+    Attributes:
+        success: Whether the task was solved.
+        steps: Motor actions done.
+        calls: The primitive calls made.
+        completed: For each call, whether the primitive did what it is for.
+    """
+
+    success: bool
+    steps: int
+    calls: tuple[PrimitiveCall, ...]
+    completed: tuple[bool, ...]
+
+
+def run_trial(
+    environment: Environment,
+    primitives: Sequence[Primitive],
+    policy: Policy,
+    generator: np.random.Generator,
+    maximum_steps: int,
+    on_step: OnStep | None = None,
+) -> Trial:
+    """Reset the environment and let the policy act until the task is solved.
+
+    Args:
+        environment: Where.
+        primitives: What the policy chooses from, in the order of its primitive space.
+        policy: Chooses.
+        generator: Of all random draws, the first state's included.
+        maximum_steps: Motor actions at most.
+        on_step: Called after each step.
+
+    Returns:
+        What happened.
+    """
+    environment.reset(seed=int(generator.integers(2**31)))
+    by_name = {item.name: item for item in primitives}
+    calls: list[PrimitiveCall] = []
+    completed: list[bool] = []
+    steps, solved = 0, False
+    while steps < maximum_steps and not solved:
+        scene = environment.scene()
+        startable = np.array([item.can_start(scene) for item in primitives])
+        if not startable.any():
+            break
+        call = policy.act(scene, startable, generator)
+        primitive = by_name[call.primitive]
+        execution = run_primitive(
+            environment,
+            primitive,
+            call.parameters,
+            step_limit=maximum_steps - steps,
+            stop_when_solved=True,
+            on_step=on_step,
+        )
+        calls.append(call)
+        completed.append(primitive.succeeded(execution.scenes, call.parameters))
+        solved = execution.solved
+        # A primitive that ends at once still costs a step, or a policy could go on for ever.
+        steps += max(execution.steps, 1)
+    return Trial(solved, steps, tuple(calls), tuple(completed))

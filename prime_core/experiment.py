@@ -1,0 +1,132 @@
+"""Wires the stages of an experiment."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from prime_core.choices import dump_choice
+from prime_core.errors import ConfigurationError
+from prime_core.experiment_config import ExperimentConfig
+from prime_core.stages.collection import Collection
+from prime_core.stages.demonstrations import Demonstrations
+from prime_core.stages.evaluation import Evaluation
+from prime_core.stages.export import Export
+from prime_core.stages.idm import IdmTraining
+from prime_core.stages.parsing import Parsing
+from prime_core.stages.policy import PolicyTraining
+from prime_core.stages.replay import Replaying
+from prime_core.stages.stage import Stage
+from prime_core.stages.video import Video
+
+_LONG = 60 * 24 * 14
+"""Minutes after which submitit takes a local job for hung; its default is two."""
+
+
+class Experiment:
+    """The stages of an experiment, in the order they run in.
+
+    Attributes:
+        config: The experiment.
+        folder: Where it keeps everything.
+        stages: By name; policies and their evaluations are ``policy.NAME``,
+            ``evaluation.NAME`` and ``video.NAME``.
+    """
+
+    def __init__(self, config: ExperimentConfig, folder: Path) -> None:
+        self.config = config
+        self.folder = folder.resolve()
+        infra = self._infra()
+        environment = dump_choice(config.environment)
+        self.demonstrations = Demonstrations(
+            environment=environment,
+            demonstrator=dump_choice(config.demonstrations),
+            seed=config.seed,
+            infra=infra,
+        )
+        self.collection = Collection(
+            environment=environment,
+            primitives=tuple(dump_choice(item) for item in config.primitives),
+            settings=config.collection.model_dump(mode="json"),
+            seed=config.seed,
+            infra=infra,
+        )
+        self.idm = IdmTraining(
+            collection=self.collection,
+            pairs=config.pairs.model_dump(mode="json"),
+            idm=dump_choice(config.idm),
+            seed=config.seed,
+            infra=infra,
+        )
+        self.parsing = Parsing(
+            demonstrations=self.demonstrations,
+            idm=self.idm,
+            parser=dump_choice(config.parser),
+            infra=infra,
+        )
+        self.replay = Replaying(parsing=self.parsing, infra=infra)
+        self.export = Export(parsing=self.parsing, infra=infra)
+        self.evaluations: dict[str, Evaluation] = {}
+        self.videos: dict[str, Video] = {}
+        for name, policy in config.policies.items():
+            training = PolicyTraining(
+                parsing=self.parsing,
+                augmentation=config.augmentation.model_dump(mode="json"),
+                policy=dump_choice(policy),
+                seeds=config.seeds,
+                infra=infra,
+            )
+            settings = config.evaluation.model_dump(mode="json")
+            self.evaluations[name] = Evaluation(training=training, settings=settings, infra=infra)
+            steps = config.evaluation.maximum_steps
+            self.videos[name] = Video(training=training, maximum_steps=steps, infra=infra)
+
+    def _infra(self) -> dict[str, Any]:
+        workers = self.config.compute.workers
+        cache = self.folder / "stages"
+        cache.mkdir(parents=True, exist_ok=True)
+        return {
+            "folder": cache,
+            "cluster": "local" if workers else None,
+            "max_jobs": workers or None,
+            "keep_in_ram": False,
+            "timeout_min": _LONG,
+        }
+
+    @property
+    def stages(self) -> dict[str, Stage]:
+        """All stages by name, in order."""
+        stages: dict[str, Stage] = {
+            "demonstrations": self.demonstrations,
+            "collection": self.collection,
+            "idm": self.idm,
+            "parsing": self.parsing,
+            "export": self.export,
+            "replay": self.replay,
+        }
+        for name, evaluation in self.evaluations.items():
+            stages[f"policy.{name}"] = evaluation.training
+            stages[f"evaluation.{name}"] = evaluation
+            stages[f"video.{name}"] = self.videos[name]
+        return stages
+
+    def until(self, last: str | None) -> dict[str, Stage]:
+        """Return the stages up to and with one of them, or all.
+
+        Raises:
+            ConfigurationError: If there is no such stage.
+        """
+        stages = self.stages
+        if last is None:
+            return stages
+        if last not in stages:
+            raise ConfigurationError(
+                f"--until {last}: there is no such stage. There are: {', '.join(stages)}"
+            )
+        return dict(_through(stages.items(), last))
+
+
+def _through(items: Iterable[tuple[str, Stage]], last: str) -> Iterable[tuple[str, Stage]]:
+    for name, stage in items:
+        yield name, stage
+        if name == last:
+            return

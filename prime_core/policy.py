@@ -1,0 +1,106 @@
+"""The contract of a policy over primitives: p(primitive | s) and p(parameters | s, primitive)."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.configuration import Config
+from prime_core.frames import Frames
+from prime_core.idm import Floats, Indices, PrimitiveSpace
+from prime_core.primitive_calls import PrimitiveCall
+from prime_core.progress import Progress
+from prime_core.scene import Scene, SceneDescription
+
+
+@dataclass(frozen=True, eq=False)
+class PolicyData:
+    """What a policy learns from: frames labelled with the primitive call to make there.
+
+    Attributes:
+        frames: The frames that the indices point into.
+        type_frames: ``(n,)``.
+        type_labels: Primitive of each, ``(n,)``.
+        type_weights: Sampling weight of each, ``(n,)``.
+        parameter_frames: ``(m,)``.
+        parameter_labels: Primitive of each, ``(m,)``.
+        parameters: In their units, padded with zeros, ``(m, width)``.
+        parameter_weights: ``(m,)``.
+    """
+
+    frames: Frames
+    type_frames: Indices
+    type_labels: Indices
+    type_weights: Floats
+    parameter_frames: Indices
+    parameter_labels: Indices
+    parameters: Floats
+    parameter_weights: Floats
+
+
+class Policy(ABC):
+    """Picks the next primitive call."""
+
+    @abstractmethod
+    def act(
+        self, scene: Scene, startable: NDArray[np.bool_], generator: np.random.Generator
+    ) -> PrimitiveCall:
+        """Return the primitive call to make.
+
+        Args:
+            scene: The scene as it is now.
+            startable: For each primitive, in the order of the primitive space, whether it can
+                start here; at least one can.
+            generator: Of all random draws.
+        """
+
+
+class PolicyConfig(Config):
+    """Settings of a policy; what packs register."""
+
+    pretrain: bool = True
+    """Whether the policy is first trained on the rollouts of the primitives."""
+
+    @abstractmethod
+    def count_checkpoints(self) -> int:
+        """How many checkpoints a training leaves."""
+
+    @abstractmethod
+    def fit(
+        self,
+        rollouts: PolicyData | None,
+        demonstrations: PolicyData,
+        description: SceneDescription,
+        space: PrimitiveSpace,
+        folder: Path,
+        seed: int,
+        progress: Progress,
+    ) -> Sequence[Path]:
+        """Train a policy.
+
+        Args:
+            rollouts: What to pretrain on, or None.
+            demonstrations: The parsed and augmented demonstrations.
+            description: Of the environment.
+            space: The primitives to choose from.
+            folder: Where checkpoints are kept. A training that was interrupted there goes on
+                after its last finished epoch.
+            seed: Of all random draws.
+            progress: Told of finished epochs.
+
+        Returns:
+            The checkpoints, oldest first.
+        """
+
+    @abstractmethod
+    def load(
+        self, checkpoint: Path, description: SceneDescription, space: PrimitiveSpace
+    ) -> Policy:
+        """Load one checkpoint that `fit` returned.
+
+        Raises:
+            PrimeError: If it is not a checkpoint of these settings.
+        """

@@ -1,0 +1,162 @@
+"""Runs the stages of an experiment, with progress bars."""
+
+import logging
+import os
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import submitit
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+from prime_core.errors import PrimeError
+from prime_core.experiment import Experiment
+from prime_core.experiment_config import dump_experiment
+from prime_core.stages.stage import PARENT_VARIABLE, Stage
+
+POLL_SECONDS = 0.5
+
+
+def run_experiment(experiment: Experiment, console: Console, until: str | None = None) -> None:
+    """Run all stages that are not done.
+
+    Args:
+        experiment: What to run.
+        console: Where progress is shown.
+        until: The last stage to run, or None for all.
+
+    Raises:
+        PrimeError: If a stage cannot be done for a reason that the user can mend.
+    """
+    stages = experiment.until(until)
+    write_resolved(experiment)
+    for name, stage in stages.items():
+        total, missing = len(stage.items()), len(stage.missing())
+        if not missing:
+            console.print(f"[green]✓[/] {name} [dim]was done before[/]")
+            continue
+        try:
+            with _workers_watch_this_process(), _progress(console, name, stage, total):
+                run_stage(stage)
+        except PrimeError as error:
+            if not stage.optional:
+                raise
+            console.print(f"[yellow]–[/] {name} left out: {error}", highlight=False)
+            continue
+        console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
+
+
+def write_resolved(experiment: Experiment) -> Path:
+    """Write the experiment with all defaults beside what it makes."""
+    path = experiment.folder / "experiment.yaml"
+    aside = path.with_suffix(".yaml.tmp")
+    aside.write_text(dump_experiment(experiment.config), encoding="utf-8")
+    aside.replace(path)
+    return path
+
+
+def run_stage(stage: Stage) -> None:
+    """Do what is missing of a stage.
+
+    Raises:
+        PrimeError: If an item cannot be done for a reason that the user can mend.
+    """
+    start = time.perf_counter()
+    try:
+        stage.compute(stage.missing())
+    except (submitit.core.utils.FailedJobError, submitit.core.utils.UncompletedJobError) as error:
+        if stage.error_file.exists():
+            raise PrimeError(stage.error_file.read_text()) from None
+        raise PrimeError(
+            f"a worker of stage {stage.title!r} stopped: {str(error).strip()[-2000:]}\n"
+            f"Its logs are under {stage.folder / 'logs'}"
+        ) from None
+    finally:
+        seconds = wall_seconds(stage) + time.perf_counter() - start
+        (stage.folder / "wall_seconds.txt").write_text(f"{seconds}")
+
+
+def wall_seconds(stage: Stage) -> float:
+    """Return how long a stage took by the clock [s], all runs of it together."""
+    try:
+        return float((stage.folder / "wall_seconds.txt").read_text())
+    except (OSError, ValueError):
+        return 0.0
+
+
+@contextmanager
+def _workers_watch_this_process() -> Iterator[None]:
+    settings = {
+        PARENT_VARIABLE: str(os.getpid()),
+        # Workers share the cores among themselves, each with one thread.
+        "OMP_NUM_THREADS": "1",
+        "TQDM_DISABLE": "1",
+    }
+    before = {name: os.environ.get(name) for name in settings}
+    os.environ.update(settings)
+    logger = logging.getLogger("exca")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+class _Rate(ProgressColumn):
+    """Items a second, or seconds an item."""
+
+    def render(self, task: Task) -> Text:
+        speed = task.finished_speed or task.speed
+        if not speed:
+            return Text("")
+        return Text(f"{speed:.1f}/s" if speed >= 1 else f"{1 / speed:.1f} s each", style="dim")
+
+
+@contextmanager
+def _progress(console: Console, name: str, stage: Stage, total: int) -> Iterator[None]:
+    bar = Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.1f}/{task.total:.0f} " + stage.unit),
+        _Rate(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=console,
+        transient=True,
+    )
+    finished = threading.Event()
+    with bar:
+        task = bar.add_task(name, total=total)
+        bar.update(task, completed=stage.fraction_done())
+
+        def watch() -> None:
+            while not finished.wait(POLL_SECONDS):
+                bar.update(task, completed=stage.fraction_done())
+
+        thread = threading.Thread(target=watch, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            finished.set()
+            thread.join()

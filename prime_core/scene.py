@@ -1,0 +1,228 @@
+"""What a primitive, a model or a policy may know of the world: the scene.
+
+Lengths are metres, angles radians, quaternions w-x-y-z; poses are in the world frame.
+
+A scene has a part that never changes in an environment, its `SceneDescription`, and the
+poses of one instant, the `Scene`. The poses of one instant travel as two flat vectors under
+LeRobot's names:
+
+- ``observation.state``: gripper position (3), gripper quaternion (4), gripper opening (1),
+  arm joint positions (J);
+- ``observation.environment_state``: for each object in turn, position (3), quaternion (4),
+  and 1 if the gripper holds it, else 0.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.rotations import yaw_of
+
+Array = NDArray[np.float64]
+
+STATE_KEY = "observation.state"
+ENVIRONMENT_STATE_KEY = "observation.environment_state"
+IMAGE_PREFIX = "observation.images."
+
+GRIPPER_WIDTH = 8  # gripper position, quaternion and opening in the state vector
+OBJECT_WIDTH = 8  # position, quaternion and held flag of one object
+
+
+@dataclass(frozen=True)
+class ObjectDescription:
+    """One object as the environment declares it.
+
+    Attributes:
+        name: Its name, unique in the scene.
+        yaw_symmetry: In how many yaw angles it looks the same: 1 (none), 2 (a half turn),
+            4 (a quarter turn), ... 0 stands for a round object.
+        graspable: Whether the primitive grasp may take it.
+        pushable: Whether the primitive push may move it.
+    """
+
+    name: str
+    yaw_symmetry: int = 1
+    graspable: bool = True
+    pushable: bool = False
+
+
+@dataclass(frozen=True)
+class Affordance:
+    """A place where an action makes sense: the centre of a primitive's parameter prior.
+
+    The centre is uniform in a box. Relative to an object, the box is in the object's own
+    yaw frame (z up); otherwise in the world frame.
+
+    Attributes:
+        action: What can be done there: ``"grasp"``, ``"place"``, ``"reach"``, ``"push"``, or
+            a word of a third party's primitive.
+        reference: The object that the box goes with, or None for the world.
+        low: Lower corner of the box of centres [m], ``(3,)``.
+        high: Upper corner [m], ``(3,)``.
+        yaws: Gripper yaws that make sense [rad], relative to the object's yaw if there is a
+            reference; None where any yaw does.
+    """
+
+    action: str
+    reference: str | None
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    yaws: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """An arm's kinematics, for inverse kinematics.
+
+    Attributes:
+        mjcf: A MuJoCo model that loads from this string alone: the arm at its base pose in
+            the world, the hand and the furniture as simple collision geoms.
+        joint_names: The arm's joints, in the order of ``Scene.joint_positions``.
+        end_effector: Name of the site whose pose is the gripper's pose.
+        hand_geoms: Names of the geoms that must not touch the furniture.
+        furniture_geoms: Names of the geoms of tables and bins.
+        joint_velocity_limits: [rad/s], ``(J,)``.
+    """
+
+    mjcf: str = field(repr=False)
+    joint_names: tuple[str, ...]
+    end_effector: str
+    hand_geoms: tuple[str, ...] = ()
+    furniture_geoms: tuple[str, ...] = ()
+    joint_velocity_limits: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class SceneDescription:
+    """What is the same in every scene of an environment.
+
+    Attributes:
+        objects: The objects, in the order of all object arrays.
+        workspace_low: Lower corner of the box of gripper positions [m], ``(3,)``.
+        workspace_high: Upper corner [m], ``(3,)``.
+        lift_height: World height at which the gripper travels [m].
+        affordances: Where actions make sense.
+        robot: The arm's kinematics; None where the environment has no model of it.
+        joint_count: Number of arm joints in the state vector.
+    """
+
+    objects: tuple[ObjectDescription, ...]
+    workspace_low: tuple[float, float, float]
+    workspace_high: tuple[float, float, float]
+    lift_height: float
+    affordances: tuple[Affordance, ...] = ()
+    robot: RobotDescription | None = None
+    joint_count: int = 7
+
+    @property
+    def state_width(self) -> int:
+        """Length of ``observation.state``."""
+        return GRIPPER_WIDTH + self.joint_count
+
+    @property
+    def environment_state_width(self) -> int:
+        """Length of ``observation.environment_state``."""
+        return OBJECT_WIDTH * len(self.objects)
+
+    @property
+    def state_names(self) -> list[str]:
+        """A name for each number of ``observation.state``."""
+        gripper = ["gripper.x", "gripper.y", "gripper.z"]
+        gripper += ["gripper.qw", "gripper.qx", "gripper.qy", "gripper.qz"]
+        joints = [f"joint_{number}" for number in range(self.joint_count)]
+        return [*gripper, "gripper.opening", *joints]
+
+    @property
+    def environment_state_names(self) -> list[str]:
+        """A name for each number of ``observation.environment_state``."""
+        parts = ("x", "y", "z", "qw", "qx", "qy", "qz", "held")
+        return [f"{item.name}.{part}" for item in self.objects for part in parts]
+
+    def affordances_for(self, action: str) -> tuple[Affordance, ...]:
+        """Return the affordances of an action."""
+        return tuple(item for item in self.affordances if item.action == action)
+
+    def scene(self, observation: Mapping[str, NDArray[np.floating]]) -> "Scene":
+        """Read one observation.
+
+        Args:
+            observation: Holds ``observation.state`` and ``observation.environment_state``.
+
+        Returns:
+            The scene that the observation describes.
+        """
+        state = np.asarray(observation[STATE_KEY], dtype=np.float64)
+        objects = np.asarray(observation[ENVIRONMENT_STATE_KEY], dtype=np.float64)
+        objects = objects.reshape(len(self.objects), OBJECT_WIDTH)
+        held = np.flatnonzero(objects[:, 7] > 0.5)
+        return Scene(
+            description=self,
+            gripper_position=state[:3],
+            gripper_quaternion=state[3:7],
+            gripper_opening=float(state[7]),
+            joint_positions=state[GRIPPER_WIDTH:],
+            object_positions=objects[:, :3],
+            object_quaternions=objects[:, 3:7],
+            held=self.objects[held[0]].name if held.size else None,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The world at one instant.
+
+    Attributes:
+        description: What never changes.
+        gripper_position: Of the point between the fingertips [m], ``(3,)``.
+        gripper_quaternion: ``(4,)``; a half turn about x at yaw 0 when it points down.
+        gripper_opening: Distance between the fingers [m].
+        joint_positions: Of the arm [rad], ``(J,)``.
+        object_positions: [m], ``(number of objects, 3)``.
+        object_quaternions: ``(number of objects, 4)``.
+        held: Name of the object between the fingers, touched from both sides, or None.
+    """
+
+    description: SceneDescription
+    gripper_position: Array
+    gripper_quaternion: Array
+    gripper_opening: float
+    joint_positions: Array
+    object_positions: Array
+    object_quaternions: Array
+    held: str | None
+
+    @cached_property
+    def gripper_yaw(self) -> float:
+        """Yaw of the gripper [rad], in ``[-pi, pi)``."""
+        return float(yaw_of(self.gripper_quaternion))
+
+    def object_index(self, name: str) -> int:
+        """Return the row of an object in the object arrays.
+
+        Raises:
+            KeyError: If the scene has no such object.
+        """
+        for index, item in enumerate(self.description.objects):
+            if item.name == name:
+                return index
+        raise KeyError(name)
+
+    def observation(self) -> dict[str, NDArray[np.float32]]:
+        """Return the scene as observation vectors (float32)."""
+        held = [[item.name == self.held] for item in self.description.objects]
+        objects = np.hstack((self.object_positions, self.object_quaternions, held))
+        state = np.concatenate(
+            (
+                self.gripper_position,
+                self.gripper_quaternion,
+                [self.gripper_opening],
+                self.joint_positions,
+            )
+        )
+        return {
+            STATE_KEY: state.astype(np.float32),
+            ENVIRONMENT_STATE_KEY: objects.ravel().astype(np.float32),
+        }

@@ -1,0 +1,1 @@
+"""The stages of an experiment, each cached by exca under what it depends on."""

@@ -1,0 +1,93 @@
+"""The stage that collects rollouts of random primitives."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from typing import Any, ClassVar
+
+import numpy as np
+
+from prime_core.collection import CollectedEpisode, CollectionConfig, Draws, collect_episode
+from prime_core.configuration import ConfigDump
+from prime_core.stages.stage import Result, Stage
+from prime_core.stages.world import build_world
+
+_STREAM = 1
+"""Keeps the draws of collection apart from those of other stages with the same seed."""
+
+
+class Collection(Stage):
+    """Rollouts of random primitives and motor actions, by shards of a few episodes."""
+
+    title: ClassVar[str] = "collection"
+    unit: ClassVar[str] = "shards"
+
+    environment: ConfigDump
+    primitives: tuple[ConfigDump, ...]
+    settings: ConfigDump
+    seed: int
+
+    @property
+    def config(self) -> CollectionConfig:
+        """How to collect."""
+        return CollectionConfig.model_validate(self.settings)
+
+    def items(self) -> list[str]:
+        """Return the shards' numbers."""
+        return [str(index) for index in range(self.config.shards)]
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Collect shards; an episode depends on the seed and its number only."""
+        config = self.config
+        world = build_world(self.environment, self.primitives)
+        space = world.space
+        for item in items:
+            episodes = []
+            draws = Draws.none(len(space.names))
+            for number in config.shard_episodes(int(item)):
+                generator = np.random.default_rng([self.seed, _STREAM, number])
+                episode, counted = collect_episode(
+                    world.environment, world.primitives, space, config, generator
+                )
+                episodes.append(
+                    {part.name: getattr(episode, part.name) for part in fields(episode)}
+                )
+                draws.counts += counted.counts
+            yield {"episodes": episodes, "draws": draws.counts}
+
+    def load(self) -> list[CollectedEpisode]:
+        """Return all episodes."""
+        return [
+            CollectedEpisode(**{name: np.array(values) for name, values in episode.items()})
+            for shard in self.results()
+            for episode in shard["episodes"]
+        ]
+
+    def summary(self, names: Sequence[str]) -> dict[str, Any]:
+        """Return how much was collected and which draws passed the filter.
+
+        Args:
+            names: Of the primitives.
+        """
+        shards = self.results()
+        counts = np.sum([shard["draws"] for shard in shards], axis=0)
+        transitions = sum(len(ep["state"]) - 1 for shard in shards for ep in shard["episodes"])
+        rollouts = np.concatenate([ep["rollouts"] for shard in shards for ep in shard["episodes"]])
+        draws: dict[str, Any] = {}
+        for index, name in enumerate(names):
+            rows = {"uniform": counts[index, 0], "prior": counts[index, 1]}
+            draws[name] = {
+                source: {
+                    "drawn": int(drawn),
+                    "reachable": int(tried),
+                    "succeeded": int(passed),
+                    "share": round(float(passed / drawn), 4) if drawn else None,
+                }
+                for source, (drawn, tried, passed) in rows.items()
+            }
+        return {
+            "transitions": transitions,
+            "rollouts": {
+                name: int((rollouts[:, 2] == index).sum()) for index, name in enumerate(names)
+            },
+            "draws": draws,
+        }

@@ -1,0 +1,67 @@
+"""The stage that trains the inverse dynamics model."""
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from prime_core.choices import validate_choice
+from prime_core.configuration import ConfigDump
+from prime_core.idm import IdmConfig, InverseDynamicsModel
+from prime_core.idm_report import report_on
+from prime_core.pair_data import PairConfig, RolloutTable, split_episodes, training_pairs
+from prime_core.stages.collection import Collection
+from prime_core.stages.stage import Result, Stage
+from prime_core.stages.world import build_world
+
+_STREAM = 2
+
+
+class IdmTraining(Stage):
+    """An IDM, trained on the collected rollouts."""
+
+    title: ClassVar[str] = "idm"
+    unit: ClassVar[str] = "models"
+
+    collection: Collection
+    pairs: ConfigDump
+    idm: ConfigDump
+    seed: int
+
+    @property
+    def config(self) -> IdmConfig:
+        """Which model."""
+        config = validate_choice("idm", self.idm)
+        assert isinstance(config, IdmConfig)
+        return config
+
+    def items(self) -> list[str]:
+        """Return the one item."""
+        return ["model"]
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Train the model and test it on held-out rollouts."""
+        for item in items:
+            world = build_world(self.collection.environment, self.collection.primitives)
+            space = world.space
+            pairs = PairConfig.model_validate(self.pairs)
+            train, test = split_episodes(self.collection.load(), pairs.held_out_share)
+            generator = np.random.default_rng([self.seed, _STREAM])
+            data = training_pairs(RolloutTable(train), space, pairs, generator)
+            model = self.config.fit(
+                data,
+                world.description,
+                space,
+                self.folder / item,
+                self.seed,
+                self.progress_writer(item),
+            )
+            exact = pairs.model_copy(update={"jittered_copies": 0})
+            held_out = training_pairs(RolloutTable(test or train), space, exact, generator)
+            yield report_on(model, held_out)
+
+    def load(self) -> InverseDynamicsModel:
+        """Return the trained model."""
+        self.results()
+        world = build_world(self.collection.environment, self.collection.primitives)
+        return self.config.load(self.folder / "model", world.description, world.space)

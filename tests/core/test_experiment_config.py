@@ -1,0 +1,111 @@
+"""Experiments in YAML: what is read, and what every mistake is told."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from prime_core.errors import ConfigurationError
+from prime_core.experiment_config import dump_experiment, read_experiment
+
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+
+GOOD = """
+name: lift
+environment: {type: robosuite/lift}
+primitives: [{type: scripted/reach}, {type: scripted/grasp}]
+demonstrations: {type: simulated-teleoperator}
+idm: {type: mlp-gmm}
+parser: {type: dp}
+policies:
+  prime: {type: prime}
+"""
+
+
+def read(tmp_path: Path, text: str, *settings: str):
+    path = tmp_path / "experiment.yaml"
+    path.write_text(text)
+    return read_experiment(path, settings)
+
+
+def mistake(tmp_path: Path, text: str, *settings: str) -> str:
+    with pytest.raises(ConfigurationError) as raised:
+        read(tmp_path, text, *settings)
+    return str(raised.value).replace(str(tmp_path / "experiment.yaml"), "FILE")
+
+
+@pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.yaml")), ids=lambda path: path.name)
+def test_every_experiment_of_the_project_is_right(path: Path) -> None:
+    assert read_experiment(path).name.replace("-", "_") == path.stem
+
+
+def test_a_dumped_experiment_reads_back_the_same(tmp_path: Path) -> None:
+    config = read(tmp_path, GOOD)
+    assert read(tmp_path, dump_experiment(config)) == config
+
+
+def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
+    config = read(tmp_path, GOOD, "parser.alpha=1e-3", "seeds=[4]", "primitives.1.type=scripted/place")
+    assert config.parser.model_dump()["alpha"] == 1e-3
+    assert config.seeds == (4,)
+    assert dump_experiment(config).count("scripted/place") == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        (
+            "{type: dp}",
+            "{type: pd}",
+            "FILE: parser: no parser is registered as 'pd'. Did you mean 'dp'? Registered: dp, greedy",
+        ),
+        (
+            "{type: dp}",
+            "{type: dp, alhpa: 1}",
+            "FILE: parser: unknown key 'alhpa': did you mean 'alpha'?",
+        ),
+        ("{type: dp}", "{type: dp, alpha: high}", "FILE: parser.alpha: found 'high': input should be"),
+        ("{type: dp}", "dp", "FILE: parser: found 'dp': it must be a mapping with a type"),
+        ("parser: {type: dp}", "", "FILE: parser: this key is missing"),
+        ("name: lift", "name: lift\nsed: 3", "FILE: unknown key 'sed': did you mean 'seed'?"),
+        ("name: lift", "name: a/b", "FILE: name: found 'a/b': use letters"),
+        ("name: lift", "name: lift\nname: tidy", "FILE, line 2, column 1: not YAML: the key 'name' st"),
+        ("name: lift", "name: [lift", "FILE, line 3"),
+        (
+            "{type: dp}",
+            "{type: dp, minimum_steps: 9, maximum_steps: 10}",
+            "FILE: parser: maximum_steps is 10: it must be at least 17",
+        ),
+        ("name: lift", "name: lift\nseeds: [1, 1]", "FILE: seeds: found [1, 1]: each seed may be named"),
+    ],
+)
+def test_a_mistake_names_file_key_and_what_would_be_right(
+    tmp_path: Path, old: str, new: str, text: str
+) -> None:
+    assert text in mistake(tmp_path, GOOD.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("setting", "text"),
+    [
+        ("seed", "--set seed: it must be key=value"),
+        ("name.first=x", "--set name.first=x: name is 'lift', it has no keys"),
+        ("primitives.7.type=x", "'7' is no place in a list of 2"),
+        ("parser.alpah=1", "unknown key 'alpah'"),
+    ],
+)
+def test_a_wrong_setting_is_told(tmp_path: Path, setting: str, text: str) -> None:
+    assert text in mistake(tmp_path, GOOD, setting)
+
+
+def test_a_file_that_is_not_there_or_no_mapping(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match="there is no such file"):
+        read_experiment(tmp_path / "nothing.yaml")
+    assert "found list at the top" in mistake(tmp_path, "[1, 2]")
+
+
+def test_the_dump_holds_every_default(tmp_path: Path) -> None:
+    dump = yaml.safe_load(dump_experiment(read(tmp_path, GOOD)))
+    assert dump["environment"] == {**dump["environment"], "type": "robosuite/lift"}
+    assert dump["collection"]["attempts"] == 10
+    assert dump["parser"]["alpha"] == 1e-4

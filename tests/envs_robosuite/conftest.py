@@ -1,0 +1,101 @@
+"""Environments that the tests of this folder share, and a hand that drives them."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+from prime_envs_robosuite import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.environment import RobosuiteEnvironment
+
+from prime_core.environment import ACTION_LIMIT
+from prime_core.rotations import wrap_angle, yaw_of
+
+GAIN = 3.0  # the controller covers about a third of the commanded distance in a step
+OPEN, CLOSE = -1.0, 1.0
+
+
+class Hand:
+    """Drives an environment's gripper to positions."""
+
+    def __init__(self, environment: RobosuiteEnvironment) -> None:
+        self.environment = environment
+
+    def move(self, target: ArrayLike, yaw: float, gripper: float, steps: int = 60) -> None:
+        """Servo the gripper to a position [m] and a yaw [rad, modulo pi]."""
+        for _ in range(steps):
+            scene = self.environment.scene()
+            error = np.asarray(target) - scene.gripper_position
+            turn = float(wrap_angle(yaw - scene.gripper_yaw, np.pi))
+            if np.linalg.norm(error) < 0.004 and abs(turn) < 0.05:
+                return
+            action = np.array([*(GAIN * error), GAIN * turn, gripper])
+            self.environment.step(np.clip(action, -ACTION_LIMIT, ACTION_LIMIT))
+
+    def grip(self, gripper: float, steps: int = 12) -> None:
+        """Open or close the gripper where it is."""
+        for _ in range(steps):
+            self.environment.step(np.array([0.0, 0.0, 0.0, 0.0, gripper]))
+
+    def pick(self) -> None:
+        """Grasp the first object where its affordance says, and lift it."""
+        scene = self.environment.scene()
+        spot = scene.description.affordances_for("grasp")[0]
+        height = (spot.low[2] + spot.high[2]) / 2
+        target = scene.object_positions[0] + [0.0, 0.0, height]
+        yaw = float(yaw_of(scene.object_quaternions[0])) + (spot.yaws or (0.0,))[0]
+        lift = scene.description.lift_height
+        self.move([target[0], target[1], lift], yaw, OPEN, 80)
+        self.move(target, yaw, OPEN)
+        self.grip(CLOSE)
+        self.move([target[0], target[1], lift], yaw, CLOSE)
+
+
+def settled(environment: RobosuiteEnvironment, seed: int) -> RobosuiteEnvironment:
+    """Reset, and let what was dropped come to rest."""
+    environment.reset(seed=seed)
+    Hand(environment).grip(OPEN, 10)
+    return environment
+
+
+def far_apart(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
+    """Return the greatest difference of two states."""
+    return float(np.abs(first - second).max())
+
+
+@pytest.fixture(scope="session")
+def hand() -> Callable[[RobosuiteEnvironment], Hand]:
+    return Hand
+
+
+@pytest.fixture(scope="session")
+def lift() -> Iterator[RobosuiteEnvironment]:
+    environment = LiftConfig().build()
+    assert isinstance(environment, RobosuiteEnvironment)
+    yield environment
+    environment.close()
+
+
+@pytest.fixture(scope="session")
+def milk() -> Iterator[RobosuiteEnvironment]:
+    environment = PickPlaceConfig().build()
+    assert isinstance(environment, RobosuiteEnvironment)
+    yield environment
+    environment.close()
+
+
+@pytest.fixture(scope="session")
+def stock_milk() -> Iterator[RobosuiteEnvironment]:
+    environment = PickPlaceConfig(stepping="stock").build()
+    assert isinstance(environment, RobosuiteEnvironment)
+    yield environment
+    environment.close()
+
+
+@pytest.fixture(scope="module")
+def held_milk(milk: RobosuiteEnvironment) -> NDArray[np.float64]:
+    """The state of an environment that has picked the milk up."""
+    settled(milk, 5)
+    Hand(milk).pick()
+    assert milk.scene().held == "milk"
+    return milk.get_state()
