@@ -133,7 +133,8 @@ def hard_negatives(
     keep = table.episode[start] != table.episode[end]
     keep &= objects[start, :, 7].max(axis=-1, initial=0) < 0.5
     keep &= moved.max(axis=-1, initial=0) > 0.02
-    return np.stack((start, end), axis=1)[keep]
+    pairs: Indices = np.stack((start, end), axis=1)[keep]
+    return pairs
 
 
 def _jittered(table: RolloutTable, config: PairConfig, generator: np.random.Generator) -> Indices:

@@ -54,7 +54,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         except PrimeError as error:
             if not stage.optional:
                 raise
-            console.print(f"[yellow]–[/] {name} left out: {error}", highlight=False)
+            console.print(f"[yellow]-[/] {name} left out: {error}", highlight=False)
             continue
         console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
 

@@ -30,7 +30,7 @@ def summary_rows(results: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("transitions collected", f"{collection['transitions']:,}"))
         for name, sources in collection["draws"].items():
             text = " / ".join(
-                "–" if item["share"] is None else f"{item['share']:.2f}"
+                "-" if item["share"] is None else f"{item['share']:.2f}"
                 for item in (sources["prior"], sources["uniform"])
             )
             rows.append((f"  draws of {name} that passed, prior / uniform", text))

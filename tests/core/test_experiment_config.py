@@ -45,7 +45,9 @@ def test_a_dumped_experiment_reads_back_the_same(tmp_path: Path) -> None:
 
 
 def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
-    config = read(tmp_path, GOOD, "parser.alpha=1e-3", "seeds=[4]", "primitives.1.type=scripted/place")
+    config = read(
+        tmp_path, GOOD, "parser.alpha=1e-3", "seeds=[4]", "primitives.1.type=scripted/place"
+    )
     assert config.parser.model_dump()["alpha"] == 1e-3
     assert config.seeds == (4,)
     assert dump_experiment(config).count("scripted/place") == 1
@@ -64,19 +66,31 @@ def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
             "{type: dp, alhpa: 1}",
             "FILE: parser: unknown key 'alhpa': did you mean 'alpha'?",
         ),
-        ("{type: dp}", "{type: dp, alpha: high}", "FILE: parser.alpha: found 'high': input should be"),
+        (
+            "{type: dp}",
+            "{type: dp, alpha: high}",
+            "FILE: parser.alpha: found 'high': input should be",
+        ),
         ("{type: dp}", "dp", "FILE: parser: found 'dp': it must be a mapping with a type"),
         ("parser: {type: dp}", "", "FILE: parser: this key is missing"),
         ("name: lift", "name: lift\nsed: 3", "FILE: unknown key 'sed': did you mean 'seed'?"),
         ("name: lift", "name: a/b", "FILE: name: found 'a/b': use letters"),
-        ("name: lift", "name: lift\nname: tidy", "FILE, line 2, column 1: not YAML: the key 'name' st"),
+        (
+            "name: lift",
+            "name: lift\nname: tidy",
+            "FILE, line 2, column 1: not YAML: the key 'name' st",
+        ),
         ("name: lift", "name: [lift", "FILE, line 3"),
         (
             "{type: dp}",
             "{type: dp, minimum_steps: 9, maximum_steps: 10}",
             "FILE: parser: maximum_steps is 10: it must be at least 17",
         ),
-        ("name: lift", "name: lift\nseeds: [1, 1]", "FILE: seeds: found [1, 1]: each seed may be named"),
+        (
+            "name: lift",
+            "name: lift\nseeds: [1, 1]",
+            "FILE: seeds: found [1, 1]: each seed may be named",
+        ),
     ],
 )
 def test_a_mistake_names_file_key_and_what_would_be_right(

@@ -117,6 +117,17 @@ _call: Any = _c_call
 
 
 @numba.njit(nogil=True, cache=True)
+def _product(left: Any, right: Any) -> Any:
+    """Return ``left @ right``; a call of BLAS costs more than these few products."""
+    result = np.zeros((left.shape[0], right.shape[1]))
+    for row in range(left.shape[0]):
+        for column in range(right.shape[1]):
+            for inner in range(left.shape[1]):
+                result[row, column] += left[row, inner] * right[inner, column]
+    return result
+
+
+@numba.njit(nogil=True, cache=True)
 def _factor(matrix: Any) -> Any:
     """Return the lower Cholesky factor of a symmetric matrix, and whether it is positive."""
     size = matrix.shape[0]
@@ -197,18 +208,18 @@ def _torques(goal_position: Any, goal_rotation: Any, rest: Any, arm: Any, views:
             NULLSPACE_GAIN * offset - 2.0 * np.sqrt(NULLSPACE_GAIN) * velocity[column, 0]
         )
     error = _pose_error(goal_position, goal_rotation, views)
-    twist = jacobian @ velocity
+    twist = _product(jacobian, velocity)
     demand = np.empty((6, 1))
     for axis in range(6):
         damping = 2.0 * np.sqrt(POSITION_GAIN)
         demand[axis, 0] = POSITION_GAIN * error[axis] - damping * twist[axis, 0]
-    mobility = jacobian @ _solve(mass, jacobian.T.copy())
+    mobility = _product(jacobian, _solve(mass, jacobian.T))
     wrench = np.empty((6, 1))
     wrench[:3] = _solve(mobility[:3, :3], demand[:3])
     wrench[3:] = _solve(mobility[3:, 3:], demand[3:])
     # The nullspace projector applied to mass @ pull, without forming it.
-    wrench -= _solve(mobility, jacobian @ pull)
-    return jacobian.T @ wrench + mass @ pull
+    wrench -= _solve(mobility, _product(jacobian, pull))
+    return _product(jacobian.T, wrench) + _product(mass, pull)
 
 
 @numba.njit(nogil=True, cache=True)

@@ -20,7 +20,6 @@ from prime_policies.training import Source, seeded
 
 SCALE_FLOOR = 1e-2  # [m], [rad] or 1: features that vary less are not blown up
 TAIL = 0.005  # share of values at either end that do not count for the scale
-RIDGE = 3.0  # rows of data that hold a line back to a copy of one feature
 MAXIMUM_ROWS = 100_000  # more do not make statistics better
 
 AnyNetwork = TypeVar("AnyNetwork", bound=nn.Module)
@@ -73,20 +72,22 @@ def measure_inputs(trunk: Trunk, source: Source) -> None:
 
 def fit_lines(network: ParameterNetwork, source: Source, space: PrimitiveSpace) -> None:
     """Fit the lines of a parameter network, one for each primitive that has examples."""
-    units = ParameterCodec(space).units
+    units = torch.from_numpy(ParameterCodec(space).units)
     for primitive, parameters in enumerate(space.parameter_spaces):
         rows = torch.nonzero(source.labels == primitive)[:, 0]
         if not len(rows):
             continue
         width = len(parameters)
         batch = source.batch(rows)
-        inputs = batch.frames.flatten(1).numpy().astype(np.float64)
-        targets = batch.targets[:, :width].numpy().astype(np.float64)
-        fit = fit_linear(inputs, targets, units[primitive, :width], RIDGE)
-        network.weight[primitive, :width] = torch.from_numpy(fit.weight).float()
-        network.bias[primitive, :width] = torch.from_numpy(fit.bias).float()
-        spread = np.maximum(fit.spread, network.minimum_deviation)
-        network.spread[primitive, :width] = torch.from_numpy(spread).float()
+        fit = fit_linear(
+            batch.frames.flatten(1).double(),
+            batch.targets[:, :width].double(),
+            units[primitive, :width],
+        )
+        network.weight[primitive, :width] = fit.weight.float()
+        network.bias[primitive, :width] = fit.bias.float()
+        spread = fit.spread.clamp_min(network.minimum_deviation)
+        network.spread[primitive, :width] = spread.float()
 
 
 def classifier_source(

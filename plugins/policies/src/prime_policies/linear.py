@@ -1,15 +1,21 @@
 """Robust linear fits that start from a copy of a feature."""
 
 from dataclasses import dataclass
+from math import inf
 
-import numpy as np
+import torch
+from torch import Tensor
 
-from prime_core.idm import Floats
+from prime_policies.training import one_thread
 
-SCALE_FLOOR = 1e-2  # [m], [rad] or 1: features that vary less are taken as constant
+SCALE_FLOOR = 5e-4  # [m], [rad] or 1: features that vary less are taken as constant
 HUBER = 1.345  # in standard deviations: residuals beyond it count less and less
-ROUNDS = 10  # of reweighting
+ROUNDS = 10  # of reweighting, at most
+SETTLED = 1e-3  # of the spread: what a round must change the line by to be worth another
+RIDGES = (1e-2, 1.0, 1e2)  # in rows of data; chosen by cross-validation
+FOLDS = 4
 MAXIMUM_ROWS = 20_000  # more rows do not make a line better, only slower
+MAXIMUM_FOLD_ROWS = 3_000  # enough to tell the ridges apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +28,12 @@ class LinearFit:
         spread: Standard deviation of the residuals, outliers left out, ``(outputs,)``.
     """
 
-    weight: Floats
-    bias: Floats
-    spread: Floats
+    weight: Tensor
+    bias: Tensor
+    spread: Tensor
 
 
-def fit_linear(inputs: Floats, outputs: Floats, units: Floats, ridge: float) -> LinearFit:
+def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
     """Fit outputs as a linear function of inputs.
 
     Each output is first taken as one input plus a constant (or the constant alone), whichever
@@ -35,58 +41,92 @@ def fit_linear(inputs: Floats, outputs: Floats, units: Floats, ridge: float) -> 
     position plus an offset. A ridge regression with Huber weights then corrects this copy, so
     that few data shrink to the copy and not to zero.
 
+    All tensors are float64, for features that repeat each other leave few digits.
+
     Args:
-        inputs: ``(n, inputs)``, in their units.
+        inputs: ``(n, inputs)``, in their units. Rows that follow each other may be alike.
         outputs: ``(n, outputs)``.
         units: How much an output changes where an input that is copied changes by one,
             ``(outputs,)``.
-        ridge: Strength of the shrinkage, in rows of data.
     """
-    stride = max(1, -(-len(inputs) // MAXIMUM_ROWS))
-    inputs, outputs = inputs[::stride], outputs[::stride]
-    centre = np.median(inputs, axis=0)
-    scale = inputs.std(axis=0)
-    used = scale > SCALE_FLOOR
-    standard = np.where(used, (inputs - centre) / np.where(used, scale, 1.0), 0.0)
-    design = np.hstack((standard, np.ones((len(inputs), 1))))
+    with one_thread():
+        return _fit(_thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS), units)
+
+
+def _fit(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
+    centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
+    scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
+    design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
     count = outputs.shape[1]
-    weight, bias, spread = np.zeros((count, inputs.shape[1])), np.zeros(count), np.zeros(count)
+    weight, bias = inputs.new_zeros(count, inputs.shape[1]), inputs.new_zeros(count)
+    spread = inputs.new_zeros(count)
     for row in range(count):
         copied = _best_copy(inputs * units[row], outputs[:, row])
         if copied is not None:
             weight[row, copied] = units[row]
         rest = outputs[:, row] - inputs @ weight[row]
-        solution = _huber_ridge(design, rest, ridge)
+        solution = _huber_ridge(design, rest, _best_ridge(design, rest))
         spread[row] = _deviation(rest - design @ solution)
-        correction = np.where(used, solution[:-1] / np.where(used, scale, 1.0), 0.0)
-        weight[row] += correction
-        bias[row] = solution[-1] - correction @ centre
+        weight[row] += solution[:-1] / scale
+        bias[row] = solution[-1] - (solution[:-1] / scale) @ centre
     return LinearFit(weight, bias, spread)
 
 
-def _best_copy(candidates: Floats, output: Floats) -> int | None:
+def _thin(rows: Tensor, maximum: int) -> Tensor:
+    return rows[:: max(1, -(-len(rows) // maximum))]
+
+
+def _best_copy(candidates: Tensor, output: Tensor) -> int | None:
     """Return the column that an output is nearest to, up to a constant; None for no column."""
     differences = output[:, None] - candidates
-    errors = np.median(np.abs(differences - np.median(differences, axis=0)), axis=0)
-    best = int(np.argmin(errors))
-    constant = np.median(np.abs(output - np.median(output)))
+    errors = (differences - differences.median(dim=0).values).abs().median(dim=0).values
+    best = int(errors.argmin())
+    constant = (output - output.median()).abs().median()
     return best if errors[best] < constant else None
 
 
-def _huber_ridge(design: Floats, output: Floats, ridge: float) -> Floats:
-    """Return the coefficients ``(columns,)``; the last column, of ones, is not shrunk."""
-    penalty = np.diag(np.append(np.full(design.shape[1] - 1, ridge), 1e-9))
-    solution = np.zeros(design.shape[1])
-    solution[-1] = np.median(output)
+def _best_ridge(design: Tensor, output: Tensor) -> float:
+    """Return the ridge with the smallest mean error on rows left out; infinite if none helps.
+
+    Rows are left out in blocks, because neighbours come from the same episode.
+    """
+    design, output = _thin(design, MAXIMUM_FOLD_ROWS), _thin(output, MAXIMUM_FOLD_ROWS)
+    count = len(output)
+    folds = torch.arange(count) * FOLDS // count
+    errors = dict.fromkeys((inf, *RIDGES), 0.0)
+    for fold in range(FOLDS if count >= FOLDS else 0):
+        kept, left = folds != fold, folds == fold
+        for ridge in errors:
+            solution = _huber_ridge(design[kept], output[kept], ridge)
+            errors[ridge] += float((output[left] - design[left] @ solution).abs().sum())
+    return min(errors, key=lambda ridge: errors[ridge])
+
+
+def _huber_ridge(design: Tensor, output: Tensor, ridge: float) -> Tensor:
+    """Return the coefficients ``(columns,)``; the last column, of ones, is not shrunk.
+
+    An infinite ridge leaves the constant alone: the median, which is its robust fit.
+    """
+    solution = design.new_zeros(design.shape[1])
+    solution[-1] = output.median()
+    if ridge == inf:
+        return solution
+    penalty = torch.full_like(solution, ridge)
+    penalty[-1] = 1e-9
+    fitted = design @ solution
     for _ in range(ROUNDS):
-        residual = output - design @ solution
-        limit = HUBER * max(_deviation(residual), 1e-9)
-        weights = np.minimum(1.0, limit / np.maximum(np.abs(residual), 1e-12))
+        residual = output - fitted
+        deviation = max(_deviation(residual), 1e-9)
+        weights = (HUBER * deviation / residual.abs().clamp_min(1e-12)).clamp_max(1.0)
         weighted = design * weights[:, None]
-        solution = np.linalg.solve(weighted.T @ design + penalty, weighted.T @ output)
+        gram = weighted.T @ design + penalty.diag()
+        solution = torch.linalg.solve(gram, weighted.T @ output)
+        before, fitted = fitted, design @ solution
+        if float((fitted - before).abs().mean()) < SETTLED * deviation:
+            break
     return solution
 
 
-def _deviation(residual: Floats) -> float:
+def _deviation(residual: Tensor) -> float:
     """Return the standard deviation that the median absolute residual stands for."""
-    return 1.4826 * float(np.median(np.abs(residual)))
+    return 1.4826 * float(residual.abs().median())

@@ -6,7 +6,8 @@ from prime_core.primitive import Motion
 from prime_core.scene import Affordance, Scene, SceneDescription
 from pydantic import PositiveInt
 
-from prime_primitives_scripted.phases import CLOSE, OPEN, hold
+from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
+from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
 
 
@@ -49,9 +50,11 @@ class Grasp(ScriptedPrimitive):
     def motion(self, scene: Scene, parameters: Array) -> Motion:
         """Return the motion that starts in a scene; see `Primitive`."""
         goal = self._goal(scene, parameters)
-        scene = yield from self._approach(scene, goal, OPEN)
+        mover = Mover(self._servo, OPEN)
+        scene = yield from self._approach(scene, goal, mover)
         if self._is_there(scene, parameters):
-            yield from hold(scene, goal, self._servo, CLOSE, self._closing_steps)
+            mover.gripper = CLOSE
+            yield from hold(scene, goal, mover, self._closing_steps)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether the gripper is there and has come to hold an object that may be grasped."""

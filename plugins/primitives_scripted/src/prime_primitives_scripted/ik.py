@@ -29,6 +29,8 @@ ORIENTATION_COST = 0.3  # [m/rad]: where limits bind, 1 mm of position counts li
 TRACKING_TIME = 0.17  # [s] in which a compliant arm follows a command, for velocity limits
 CLEARANCE = 0.002  # [m] to keep between hand and furniture
 NOTICE_DISTANCE = 0.05  # [m] from which furniture counts
+FREE_ANGLE = 0.25  # [rad] that no joint turns by in one step
+SLACK = 0.02  # [rad] to keep from the margins at the end of a motion
 SOLVE_STEPS = 40
 POSITION_PRECISION = 5e-4  # [m]
 ANGLE_PRECISION = 5e-3  # [rad]
@@ -90,6 +92,8 @@ class InverseKinematics:
         Returns:
             x, y, z [m] and yaw [rad], ``(4,)``.
         """
+        if self._is_free(joints):
+            return waypoint
         self._configuration.update(self._inside(joints))
         self._aim(waypoint)
         self._advance()
@@ -111,9 +115,22 @@ class InverseKinematics:
             error = self._task.compute_error(self._configuration)
             exact = np.linalg.norm(error[:3]) < POSITION_PRECISION
             if exact and np.linalg.norm(error[3:]) < ANGLE_PRECISION:
-                return self._configuration.q[self._order]
+                joints = self._configuration.q
+                # The arm's own controller may not find the way along a limit that this one does.
+                within = np.all(joints > self._low + SLACK) and np.all(joints < self._high - SLACK)
+                return joints[self._order] if within else None
             self._advance()
         return None
+
+    def _is_free(self, joints: Array) -> bool:
+        """Whether no limit can bind in one step, so that there is nothing to solve."""
+        margin = np.minimum(joints - self._low[self._order], self._high[self._order] - joints)
+        if margin.min() < FREE_ANGLE:
+            return False
+        data = self._configuration.data
+        data.qpos[self._order] = joints
+        mujoco.mj_kinematics(self._model, data)
+        return not self._clearance.is_near(data)
 
     def _inside(self, joints: Array) -> Array:
         """Return model positions within the margins: from there, standing still is feasible."""

@@ -16,24 +16,22 @@ from prime_primitives_scripted.goal import (
     jaw_distance,
     plane_distance,
 )
-from prime_primitives_scripted.servo import Servo
+from prime_primitives_scripted.mover import Mover
 
 Array = NDArray[np.float64]
 Phase = Generator[Action, Scene, Scene]
-
-OPEN = -1.0
-CLOSE = 1.0
 
 WAYPOINT_DISTANCE = 0.02  # [m] from lift height, and from above the goal
 WAYPOINT_ANGLE = 0.2  # [rad]
 SETTLED_DISTANCE = 0.0015  # [m]
 SETTLED_ANGLE = 0.01  # [rad]
-STALL_STEPS = 5
-STALL_PROGRESS = 0.0002  # [m] in so many steps
+STALL_STEPS = 4
+STALL_DISTANCE = 0.0004  # [m] a step
+STALL_ANGLE = 0.004  # [rad] a step
 
 
 def move_while(
-    unfinished: Callable[[Scene], bool], scene: Scene, goal: Array, servo: Servo, gripper: float
+    unfinished: Callable[[Scene], bool], scene: Scene, goal: Array, mover: Mover
 ) -> Phase:
     """Head for a goal as long as a condition holds.
 
@@ -41,15 +39,14 @@ def move_while(
         unfinished: Asked before each step.
         scene: Where it starts.
         goal: ``(4,)``.
-        servo: Makes the actions.
-        gripper: The gripper's command throughout.
+        mover: Makes the actions.
     """
     while unfinished(scene):
-        scene = yield servo.action(scene, goal, gripper)
+        scene = yield mover.action(scene, goal)
     return scene
 
 
-def approach(scene: Scene, goal: Array, servo: Servo, gripper: float) -> Phase:
+def approach(scene: Scene, goal: Array, mover: Mover) -> Phase:
     """Lift, travel above the goal, descend and settle there.
 
     The height of travel is a constant of the scene. Were it the present height where that is
@@ -58,8 +55,7 @@ def approach(scene: Scene, goal: Array, servo: Servo, gripper: float) -> Phase:
     Args:
         scene: Where it starts.
         goal: ``(4,)``.
-        servo: Makes the actions.
-        gripper: The gripper's command throughout.
+        mover: Makes the actions.
     """
     lift_height = scene.description.lift_height
     if not is_above(scene, goal):
@@ -67,46 +63,41 @@ def approach(scene: Scene, goal: Array, servo: Servo, gripper: float) -> Phase:
         lifted[2] = lift_height
         low = lift_height - WAYPOINT_DISTANCE
         scene = yield from move_while(
-            lambda now: bool(now.gripper_position[2] < low), scene, lifted, servo, gripper
+            lambda now: bool(now.gripper_position[2] < low), scene, lifted, mover
         )
         above = np.array([goal[0], goal[1], lift_height, goal[3]])
-        scene = yield from move_while(
-            lambda now: not is_above(now, goal), scene, above, servo, gripper
-        )
-    return (yield from settle(scene, goal, servo, gripper))
+        scene = yield from move_while(lambda now: not is_above(now, goal), scene, above, mover)
+    return (yield from settle(scene, goal, mover))
 
 
-def settle(scene: Scene, goal: Array, servo: Servo, gripper: float) -> Phase:
-    """Head for a goal until the gripper is there or gets no nearer.
+def settle(scene: Scene, goal: Array, mover: Mover) -> Phase:
+    """Head for a goal until the gripper is there or stands still; at least one step.
 
     Args:
         scene: Where it starts.
         goal: ``(4,)``.
-        servo: Makes the actions.
-        gripper: The gripper's command throughout.
+        mover: Makes the actions.
     """
-    nearest, stalled = np.inf, 0
-    while not is_settled(scene, goal) and stalled < STALL_STEPS:
-        scene = yield servo.action(scene, goal, gripper)
-        # A turn counts as the way of a fingertip 0.1 m from the axis.
-        left = distance(scene, goal) + 0.1 * jaw_distance(scene, goal[3])
-        stalled = 0 if left < nearest - STALL_PROGRESS else stalled + 1
-        nearest = min(nearest, left)
+    still = 0
+    while still < STALL_STEPS:
+        before, scene = scene, (yield mover.action(scene, goal))
+        if is_settled(scene, goal):
+            break
+        still = still + 1 if is_still(before, scene) else 0
     return scene
 
 
-def hold(scene: Scene, goal: Array, servo: Servo, gripper: float, steps: int) -> Phase:
-    """Stay at a goal for some steps while the gripper opens or closes.
+def hold(scene: Scene, goal: Array, mover: Mover, steps: int) -> Phase:
+    """Stay at a goal for some steps, while the gripper opens or closes.
 
     Args:
         scene: Where it starts.
         goal: ``(4,)``.
-        servo: Makes the actions.
-        gripper: The gripper's command throughout.
+        mover: Makes the actions.
         steps: How many.
     """
     for _ in range(steps):
-        scene = yield servo.action(scene, goal, gripper)
+        scene = yield mover.action(scene, goal)
     return scene
 
 
@@ -140,3 +131,9 @@ def is_settled(scene: Scene, goal: Array) -> bool:
     """Whether the gripper is where it should be, closer than success asks for."""
     near = distance(scene, goal) < SETTLED_DISTANCE
     return near and jaw_distance(scene, goal[3]) < SETTLED_ANGLE
+
+
+def is_still(before: Scene, after: Scene) -> bool:
+    """Whether the gripper hardly moved in a step."""
+    near = distance(after, before.gripper_position) < STALL_DISTANCE
+    return near and jaw_distance(after, before.gripper_yaw) < STALL_ANGLE

@@ -7,7 +7,8 @@ from prime_core.scene import Affordance, Scene, SceneDescription
 from pydantic import PositiveInt
 
 from prime_primitives_scripted.goal import jaw_distance, plane_distance
-from prime_primitives_scripted.phases import CLOSE, OPEN, hold
+from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
+from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
 
 
@@ -53,9 +54,11 @@ class Place(ScriptedPrimitive):
     def motion(self, scene: Scene, parameters: Array) -> Motion:
         """Return the motion that starts in a scene; see `Primitive`."""
         goal = self._goal(scene, parameters)
-        scene = yield from self._approach(scene, goal, CLOSE)
+        mover = Mover(self._servo, CLOSE)
+        scene = yield from self._approach(scene, goal, mover)
         if self._is_over(scene, parameters):
-            yield from hold(scene, goal, self._servo, OPEN, self._opening_steps)
+            mover.gripper = OPEN
+            yield from hold(scene, goal, mover, self._opening_steps)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether the object was held until it was let go of, and nothing is held now.

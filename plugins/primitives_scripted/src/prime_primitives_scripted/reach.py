@@ -7,7 +7,7 @@ from prime_core.primitive import Motion
 from prime_core.scene import Affordance, Scene, SceneDescription
 from pydantic import NonNegativeFloat
 
-from prime_primitives_scripted.phases import CLOSE, OPEN
+from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
 
 
@@ -61,7 +61,8 @@ class Reach(ScriptedPrimitive):
         """Return the motion that starts in a scene; see `Primitive`."""
         closed = scene.held is not None or scene.gripper_opening < self._closed_below
         goal = self._goal(scene, parameters)
-        yield from self._approach(scene, goal, CLOSE if closed else OPEN)
+        mover = Mover(self._servo, CLOSE if closed else OPEN)
+        yield from self._approach(scene, goal, mover)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether the gripper is there and holds what it held, or still nothing."""

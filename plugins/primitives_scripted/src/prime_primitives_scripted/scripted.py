@@ -17,6 +17,7 @@ from prime_primitives_scripted.goal import (
     equivalent_goals,
     jaw_distance,
 )
+from prime_primitives_scripted.mover import Mover
 from prime_primitives_scripted.phases import Phase, approach, at_most
 from prime_primitives_scripted.servo import make_servo
 
@@ -74,8 +75,8 @@ class ScriptedPrimitive(Primitive):
         planned = self._servo.plan(scene, parameters)
         return equivalent_goals(parameters, scene.gripper_yaw)[0] if planned is None else planned
 
-    def _approach(self, scene: Scene, goal: Array, gripper: float) -> Phase:
-        phase = approach(scene, goal, self._servo, gripper)
+    def _approach(self, scene: Scene, goal: Array, mover: Mover) -> Phase:
+        phase = approach(scene, goal, mover)
         return at_most(self._config.approach_steps, scene, phase)
 
     def _is_there(self, scene: Scene, parameters: Array) -> bool:

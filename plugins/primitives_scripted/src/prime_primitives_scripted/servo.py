@@ -1,10 +1,10 @@
-"""From where the gripper should be to the motor action of one control step."""
+"""From the move that is wanted of the gripper to one that the arm can make in a step."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from prime_core.environment import ACTION_LIMIT, Action
+from prime_core.environment import ACTION_LIMIT
 from prime_core.rotations import wrap_angle
 from prime_core.scene import Scene, SceneDescription
 
@@ -20,25 +20,19 @@ TURN_LIMIT = float(ACTION_LIMIT[3])  # radians
 
 
 class Servo:
-    """Moves the gripper straight towards a goal.
+    """Makes moves that an action can hold, along a straight line."""
 
-    Each step commands the whole remaining error, or as much as an action holds. A critically
-    damped arm that chases its commands then neither overshoots nor stops short.
-    """
-
-    def action(self, scene: Scene, goal: Array, gripper: float) -> Action:
-        """Return the motor action of one step.
+    def move(self, scene: Scene, wanted: Array) -> Array:
+        """Return the move that one action can make of the one that is wanted.
 
         Args:
             scene: The scene now.
-            goal: Where the gripper should come to be, ``(4,)``.
-            gripper: The gripper's command, from -1 (open) to 1 (close).
+            wanted: x, y, z [m] and yaw [rad], ``(4,)``.
 
         Returns:
-            ``(5,)``, within the limits of an action.
+            ``(4,)``, within the limits of an action.
         """
-        move = limited(offset(goal, gripper_goal(scene)))
-        return np.append(self._feasible(scene, move), gripper)
+        return limited(wanted)
 
     def plan(self, scene: Scene, parameters: Array) -> Array | None:
         """Return the goal to head for, or None if the arm cannot get there.
@@ -52,12 +46,9 @@ class Servo:
         """
         return equivalent_goals(parameters, scene.gripper_yaw)[0]
 
-    def _feasible(self, scene: Scene, move: Array) -> Array:
-        return move
-
 
 class KinematicServo(Servo):
-    """Moves the gripper within the limits of the arm's joints and clear of furniture.
+    """Makes moves within the limits of the arm's joints and clear of furniture.
 
     Args:
         inverse_kinematics: Of the arm in the scenes.
@@ -77,9 +68,10 @@ class KinematicServo(Servo):
                 return goal
         return None
 
-    def _feasible(self, scene: Scene, move: Array) -> Array:
+    def move(self, scene: Scene, wanted: Array) -> Array:
+        """Return the nearest move that the arm's limits allow; see `Servo`."""
         here = gripper_goal(scene)
-        pose = self._inverse_kinematics.step(scene.joint_positions, here + move)
+        pose = self._inverse_kinematics.step(scene.joint_positions, here + limited(wanted))
         return limited(offset(pose, here))
 
 

@@ -1,0 +1,90 @@
+# prime's commands. Whatever needs the virtual environment makes it first.
+#
+#   make quick    run the main job on little data
+#   make test     run the tests that take seconds
+#   make check    all that a change must pass
+
+VENV := .venv
+PYTHON ?= $(firstword $(shell for name in python3.12 python3 python; do \
+	$$name -c 'import sys; sys.exit(sys.version_info < (3, 12))' 2>/dev/null && echo $$name; done))
+UV := $(shell uv --version >/dev/null 2>&1 && echo uv)
+
+DISTRIBUTIONS := . $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
+PACKAGES := $(addprefix --editable ,$(DISTRIBUTIONS)) --group dev 'lerobot[dataset]' pip
+INSTALLED := $(VENV)/.installed
+
+# pip has read --group since 25.1.
+ifdef UV
+INSTALL = $(UV) pip install --python $(VENV)/bin/python
+NEW_PIP = true
+else
+INSTALL = $(VENV)/bin/python -m pip install
+NEW_PIP = $(INSTALL) --quiet 'pip>=25.1'
+endif
+
+.PHONY: install quick format lint type test test-slow build check clean
+
+install: $(INSTALLED)
+
+$(INSTALLED): constraints.txt $(addsuffix /pyproject.toml,$(DISTRIBUTIONS)) | $(VENV)/bin/python
+	@# robosuite asks for evdev, which comes as source.
+	@command -v cc >/dev/null || { test "$$(id -u)" = 0 && apt-get update -qq \
+	&& apt-get install -y -qq --no-install-recommends gcc libc6-dev >/dev/null; } || { echo "prime: \
+	evdev is built here and needs a C compiler and Linux's headers. Debian: apt-get install gcc \
+	libc6-dev" >&2; exit 1; }
+	$(NEW_PIP)
+	$(INSTALL) --constraint constraints.txt $(PACKAGES)
+	@# Two distributions write the folder cv2. The last one stays: the one without a screen.
+	$(INSTALL) --quiet --no-deps --force-reinstall --constraint constraints.txt opencv-python-headless
+	touch $@
+
+$(VENV)/bin/python:
+	@test -n "$(PYTHON)" || { echo "prime needs Python 3.12 or later, here is $$(python3 --version \
+	2>&1 | head -n 1). Install one ('pyenv install 3.12' does), or say where it is: \
+	make PYTHON=/path/to/python3.12" >&2; exit 1; }
+ifdef UV
+	$(UV) venv --quiet --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
+else
+	@# Debian keeps ensurepip in a package of its own; a pip that is there does as well.
+	$(PYTHON) -m venv $(VENV) 2>/dev/null || { $(PYTHON) -m venv --clear --without-pip $(VENV) \
+	&& $(PYTHON) -m pip --python $(VENV)/bin/python install --quiet pip; } || { rm -rf $(VENV); \
+	echo "prime: $(PYTHON) has neither ensurepip nor pip. Debian: apt-get install \
+	$(notdir $(PYTHON))-venv" >&2; exit 1; }
+endif
+
+quick: install
+	$(VENV)/bin/prime run experiments/lift_quick.yaml
+
+format: install
+	$(VENV)/bin/ruff check --fix-only .
+	$(VENV)/bin/ruff format .
+
+lint: install
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+
+type: install
+	$(VENV)/bin/mypy --strict prime_core
+
+test: install
+	$(VENV)/bin/pytest -n 2 -m "not slow"
+
+test-slow: install
+	$(VENV)/bin/pytest -m slow
+
+# The wheels, and the tests against them: an environment that takes prime from the wheels and
+# all else from the development environment, whose editable prime it does not see.
+build: install
+	rm -rf build dist
+	$(VENV)/bin/python -m pip wheel --quiet --no-deps --wheel-dir dist $(DISTRIBUTIONS)
+	$(VENV)/bin/python -m venv --without-pip build/wheels
+	$(VENV)/bin/python -m pip --python build/wheels/bin/python install --quiet --no-deps dist/*.whl
+	$(VENV)/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
+	> "$$(build/wheels/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/base.pth"
+	build/wheels/bin/python -m pytest --version
+	PATH="$$PWD/build/wheels/bin:$$PATH" build/wheels/bin/python -P -m pytest -n 2 -m "not slow"
+
+check: lint type test build
+
+clean:
+	rm -rf build dist

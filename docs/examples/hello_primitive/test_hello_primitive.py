@@ -1,0 +1,12 @@
+"""The primitive keeps its contract."""
+
+from hello_primitive import LiftConfig
+from prime_envs_robosuite import LiftConfig as LiftTask
+
+from prime_core.checks import check_primitive
+
+
+def test_lift_keeps_the_contract() -> None:
+    """Check it on robosuite's Lift."""
+    environment = LiftTask().build()
+    check_primitive(LiftConfig().build(environment.description), environment)
