@@ -39,8 +39,8 @@ $(INSTALLED): constraints.txt $(addsuffix /pyproject.toml,$(DISTRIBUTIONS)) | $(
 	touch $@
 
 $(VENV)/bin/python:
-	@test -n "$(PYTHON)" || { echo "prime needs Python 3.12 or later, here is $$(python3 --version \
-	2>&1 | head -n 1). Install one ('pyenv install 3.12' does), or say where it is: \
+	@$(or $(PYTHON),false) -c 'import sys; sys.exit(sys.version_info < (3, 12))' || { echo "prime \
+	needs Python 3.12 or later, here is $$($(or $(PYTHON),python3) --version 2>&1 | head -n 1). Install one ('pyenv install 3.12' does), or say where it is: \
 	make PYTHON=/path/to/python3.12" >&2; exit 1; }
 ifdef UV
 	$(UV) venv --quiet --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
@@ -81,7 +81,7 @@ build: install
 	$(VENV)/bin/python -m pip --python build/wheels/bin/python install --quiet --no-deps dist/*.whl
 	$(VENV)/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
 	> "$$(build/wheels/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/base.pth"
-	build/wheels/bin/python -m pytest --version
+	build/wheels/bin/python -P -c 'import prime_core; assert "build/wheels" in prime_core.__file__'
 	PATH="$$PWD/build/wheels/bin:$$PATH" build/wheels/bin/python -P -m pytest -n 2 -m "not slow"
 
 check: lint type test build

@@ -31,9 +31,9 @@ class CollectionConfig(Config):
     """Least and greatest length of such a run."""
     prior_share: float = Field(0.9, ge=0, le=1)
     """Share of parameter draws from the primitives' priors; the others are uniform."""
-    attempts: int = Field(10, ge=1)
+    attempts: int = Field(4, ge=1)
     """Parameter draws that are tried from one state until one succeeds."""
-    undos: int = Field(2, ge=0)
+    undos: int = Field(0, ge=0)
     """States from which all attempts may fail before the episode is given up."""
     other_pairs: int = Field(60, ge=0)
     """Pairs of `other` drawn in each episode (paper: K)."""

@@ -84,4 +84,6 @@ def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Pa
     pictures.mkdir(exist_ok=True)
     draw_timelines_overview(pictures / "all.png", parsed, world.space)
     for number, item in enumerate(parsed):
-        draw_timeline(pictures / f"{number:03d}.png", item, world.space)
+        draw_timeline(
+            pictures / f"{number:03d}.png", item, world.space, description=world.description
+        )

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from prime_core.atomic import new_file
 from prime_core.experiment import Experiment
 from prime_core.running import wall_seconds
 from prime_core.stages.stage import TIMING, Result, Stage
@@ -122,6 +123,5 @@ def write_if_changed(path: Path, text: str) -> None:
     """Write a file, aside first, unless it holds the text already."""
     if path.exists() and path.read_text(encoding="utf-8") == text:
         return
-    aside = path.with_name(path.name + ".tmp")
-    aside.write_text(text, encoding="utf-8")
-    aside.replace(path)
+    with new_file(path) as aside:
+        aside.write_text(text, encoding="utf-8")

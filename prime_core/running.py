@@ -22,6 +22,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from prime_core.atomic import new_file
 from prime_core.errors import PrimeError
 from prime_core.experiment import Experiment
 from prime_core.experiment_config import dump_experiment
@@ -62,9 +63,8 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
 def write_resolved(experiment: Experiment) -> Path:
     """Write the experiment with all defaults beside what it makes."""
     path = experiment.folder / "experiment.yaml"
-    aside = path.with_suffix(".yaml.tmp")
-    aside.write_text(dump_experiment(experiment.config), encoding="utf-8")
-    aside.replace(path)
+    with new_file(path) as aside:
+        aside.write_text(dump_experiment(experiment.config), encoding="utf-8")
     return path
 
 

@@ -185,7 +185,7 @@ class Scene:
         held: Name of the object between the fingers, touched from both sides, or None.
     """
 
-    description: SceneDescription
+    description: SceneDescription = field(repr=False)
     gripper_position: Array
     gripper_quaternion: Array
     gripper_opening: float

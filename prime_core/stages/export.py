@@ -43,6 +43,11 @@ class Export(Stage):
                 folder.mkdir(exist_ok=True)
                 draw_timelines_overview(folder / "all.png", parsed, world.space)
                 for number, one in enumerate(parsed):
-                    draw_timeline(folder / f"{number:03d}.png", one, world.space)
+                    draw_timeline(
+                        folder / f"{number:03d}.png",
+                        one,
+                        world.space,
+                        description=world.description,
+                    )
                     self.progress_writer(item)(number + 1, len(parsed))
             yield {"path": item}

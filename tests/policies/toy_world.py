@@ -76,7 +76,7 @@ class World:
         """Return parameters of a grasp of the carton, in line with its nearest side."""
         turn = wrap_angle(self.carton_yaw - self.yaw, np.pi / 2)
         yaw = wrap_angle(self.yaw + turn + self.generator.normal(0, 0.03), np.pi)
-        position = self.carton + [0, 0, 0.04] + self.generator.normal(0, 0.003, 3)
+        position = self.carton + np.array([0, 0, 0.04]) + self.generator.normal(0, 0.003, 3)
         return np.append(position, yaw)
 
     def call(self, primitive: int, parameters: np.ndarray) -> None:
@@ -164,9 +164,7 @@ def policy_data(world: World, augmented: bool = False) -> PolicyData:
     frames = (pairs[:, :1] + np.arange(count)).ravel()
     labels, parameters = labels.repeat(count), parameters.repeat(count, axis=0)
     weights = np.ones(len(labels))
-    return PolicyData(
-        world.frames(), frames, labels, weights, frames, labels, parameters, weights
-    )
+    return PolicyData(world.frames(), frames, labels, weights, frames, labels, parameters, weights)
 
 
 def _calls(world: World) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

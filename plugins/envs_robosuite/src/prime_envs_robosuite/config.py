@@ -13,7 +13,7 @@ class RobosuiteConfig(EnvironmentConfig):
     stepping: Literal["compiled", "stock"] = "compiled"
     """``compiled`` runs robosuite's control law as machine code; ``stock`` calls robosuite.
 
-    They agree to rounding in one step; compiled is five to eight times as fast."""
+    They agree to rounding in one step; compiled is several times as fast."""
 
     cameras: tuple[str, ...] = ()
     """Cameras whose images are part of the observations: ``agentview``, ``wrist``, or any of
@@ -32,9 +32,6 @@ class LiftConfig(RobosuiteConfig):
     The cube's half size is always 0.021 m, where robosuite draws 0.020 to 0.022 m.
     """
 
-    type: Literal["robosuite/lift"] = "robosuite/lift"
-    """Name of this environment."""
-
     def build(self) -> Environment:
         """Make the environment."""
         from prime_envs_robosuite.environment import RobosuiteEnvironment
@@ -47,9 +44,6 @@ class LiftConfig(RobosuiteConfig):
 
 class PickPlaceConfig(RobosuiteConfig):
     """robosuite's PickPlace with one object: put it into its own quarter and let go."""
-
-    type: Literal["robosuite/pick-place"] = "robosuite/pick-place"
-    """Name of this environment."""
 
     object: Literal["milk", "can", "bread", "cereal"] = "milk"
     """The object to move."""

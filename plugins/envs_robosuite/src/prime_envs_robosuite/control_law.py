@@ -119,11 +119,13 @@ _call: Any = _c_call
 @numba.njit(nogil=True, cache=True)
 def _product(left: Any, right: Any) -> Any:
     """Return ``left @ right``; a call of BLAS costs more than these few products."""
-    result = np.zeros((left.shape[0], right.shape[1]))
+    result = np.empty((left.shape[0], right.shape[1]))
     for row in range(left.shape[0]):
         for column in range(right.shape[1]):
+            total = 0.0
             for inner in range(left.shape[1]):
-                result[row, column] += left[row, inner] * right[inner, column]
+                total += left[row, inner] * right[inner, column]
+            result[row, column] = total
     return result
 
 
@@ -160,13 +162,15 @@ def _solve(matrix: Any, right: Any) -> Any:
     result = right.copy()
     for column in range(result.shape[1]):
         for row in range(size):
+            total = result[row, column]
             for inner in range(row):
-                result[row, column] -= lower[row, inner] * result[inner, column]
-            result[row, column] /= lower[row, row]
+                total -= lower[row, inner] * result[inner, column]
+            result[row, column] = total / lower[row, row]
         for row in range(size - 1, -1, -1):
+            total = result[row, column]
             for inner in range(row + 1, size):
-                result[row, column] -= lower[inner, row] * result[inner, column]
-            result[row, column] /= lower[row, row]
+                total -= lower[inner, row] * result[inner, column]
+            result[row, column] = total / lower[row, row]
     return result
 
 

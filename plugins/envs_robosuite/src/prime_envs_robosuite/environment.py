@@ -64,6 +64,7 @@ class RobosuiteEnvironment(Environment):
         self.observation_space = self._observation_space()
         self._elapsed = 0
         self._scene: Scene | None = None
+        self._touched = False  # whether a finger touches an object in that scene
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -117,10 +118,8 @@ class RobosuiteEnvironment(Environment):
 
     def is_success(self) -> bool:
         """Whether the task is solved now, as a person would call it."""
-        simulation = self._simulation
         scene = self.scene()
-        touched = any(left or right for left, right in simulation.touches())
-        return self.task.is_success(scene, touched, simulation.motions())
+        return self.task.is_success(scene, self._touched, self._simulation.motions())
 
     def get_state(self) -> Array:
         """Return all that the future depends on, ``(n,)``; see `Environment`.
@@ -187,8 +186,10 @@ class RobosuiteEnvironment(Environment):
         quaternion = np.empty(4)
         mujoco.mju_mat2Quat(quaternion, rotation.ravel())
         positions, quaternions = simulation.object_poses()
-        names = [item.name for item in self.task.objects]
-        held = [name for name, sides in zip(names, simulation.touches(), strict=True) if all(sides)]
+        touches = simulation.touches()
+        self._touched = any(left or right for left, right in touches)
+        pairs = zip(self.task.objects, touches, strict=True)
+        held = [item.name for item, sides in pairs if all(sides)]
         return Scene(
             description=self.description,
             gripper_position=position,

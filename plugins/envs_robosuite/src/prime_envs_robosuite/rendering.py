@@ -108,7 +108,7 @@ class _Picture:
         self._options.sitegroup[:] = 0
 
     def holds(self, height: int, width: int) -> bool:
-        return height <= self._size[0] and width <= self._size[1]
+        return bool(height <= self._size[0] and width <= self._size[1])
 
     def render(
         self, name: str, positions: NDArray[np.float64], height: int, width: int

@@ -24,9 +24,9 @@ RESPONSE = 0.265
 """Share of a commanded displacement that the arm covers in the same step, at a steady pace."""
 
 PEAK_SPEED = 0.24  # [m/s]; the command saturates at 0.05 m, which is 0.265 m/s
-RAMP = 0.7  # time in which a long movement reaches its speed [s]
-TURN_SPEED = 0.7  # mean, [rad/s]
-REACTION = 0.25  # the part of a movement's duration that does not depend on its length [s]
+RAMP = 0.6  # time in which a long movement reaches its speed [s]
+TURN_SPEED = 0.9  # mean, [rad/s]
+REACTION = 0.2  # the part of a movement's duration that does not depend on its length [s]
 NOISE_MEMORY = 0.85  # correlation of the command noise from step to step
 TREMOR = 2e-4  # command noise of a hand at rest [m]; 5 mm/s would take 1e-3
 PATIENCE = 10  # steps of correction at the end of a movement

@@ -3,7 +3,8 @@
 import hashlib
 import json
 from collections.abc import Callable
-from typing import Any, TypeVar
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import torch
@@ -16,20 +17,27 @@ from prime_policies.linear import fit_linear
 from prime_policies.networks import Classifier, ParameterNetwork, Trunk
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.settings import NetworkSettings
-from prime_policies.training import Source, seeded
+from prime_policies.training import Schedule, Source, seeded
 
 SCALE_FLOOR = 1e-2  # [m], [rad] or 1: features that vary less are not blown up
 TAIL = 0.005  # share of values at either end that do not count for the scale
 MAXIMUM_ROWS = 100_000  # more do not make statistics better
+BLOCK = 4096  # examples whose residuals are computed at a time, which bounds the memory
 
-AnyNetwork = TypeVar("AnyNetwork", bound=nn.Module)
 
-
-def start_network(build: Callable[[], AnyNetwork], seed: int, name: str) -> AnyNetwork:
+def start_network[AnyNetwork: nn.Module](
+    build: Callable[[], AnyNetwork], seed: int, name: str
+) -> AnyNetwork:
     """Build a network whose first weights depend on a seed and a name only."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(int(seeded(seed, name, 0).integers(2**62)))
         return build().eval()
+
+
+def schedule(settings: NetworkSettings, epochs: int) -> Schedule:
+    """Return the schedule of a training from the start."""
+    rate, decay = settings.learning_rate, settings.weight_decay
+    return Schedule(epochs, settings.steps_per_epoch, rate, decay)
 
 
 def build_classifier(
@@ -88,6 +96,16 @@ def fit_lines(network: ParameterNetwork, source: Source, space: PrimitiveSpace) 
         network.bias[primitive, :width] = fit.bias.float()
         spread = fit.spread.clamp_min(network.minimum_deviation)
         network.spread[primitive, :width] = spread.float()
+
+
+def with_residuals(network: ParameterNetwork, source: Source) -> Source:
+    """Return the examples with what the network's lines leave over as targets."""
+    with torch.no_grad():
+        blocks = [
+            network.residuals(*source.batch(rows))
+            for rows in torch.arange(len(source.labels)).split(BLOCK)
+        ]
+    return replace(source, targets=torch.cat(blocks))
 
 
 def classifier_source(

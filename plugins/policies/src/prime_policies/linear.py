@@ -6,7 +6,7 @@ from math import inf
 import torch
 from torch import Tensor
 
-from prime_policies.training import one_thread
+from prime_policies.threads import one_thread
 
 SCALE_FLOOR = 5e-4  # [m], [rad] or 1: features that vary less are taken as constant
 HUBER = 1.345  # in standard deviations: residuals beyond it count less and less

@@ -11,7 +11,7 @@ from prime_core.scene import SceneDescription
 from prime_policies.mixture import best_means, log_density
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
-from prime_policies.training import one_thread
+from prime_policies.threads import one_thread
 
 BATCH = 2048  # pairs whose hidden layers stay in the cache of one core
 
@@ -53,7 +53,8 @@ class MlpGmmIdm(InverseDynamicsModel):
             for first in range(0, len(pairs), BATCH):
                 start, end = torch.from_numpy(pairs[first : first + BATCH]).T
                 hidden = trunk.finish(starts[start] + ends[end])
-                scores[first : first + BATCH] = self._classifier.log_probabilities(hidden)
+                result = self._classifier.log_probabilities(hidden)
+                scores[first : first + BATCH] = result.numpy()
         return scores
 
     @torch.inference_mode()
@@ -68,6 +69,7 @@ class MlpGmmIdm(InverseDynamicsModel):
                 frames = torch.from_numpy(features[:, :-1][pairs[part]])
                 mixture = self._parameter_network(frames, torch.from_numpy(labels[part]))
                 best = best_means(mixture)
-                targets[part], density[part] = best, log_density(mixture, best)
+                targets[part] = best.numpy()
+                density[part] = log_density(mixture, best).numpy()
         yaws = features[pairs[:, 1], -1].astype(np.float64)
         return self._codec.parameters(targets, labels, yaws), density

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from prime_core.features import FeatureEncoder, gripper_yaw
 from prime_core.idm import PairData, PrimitiveSpace
@@ -14,15 +15,9 @@ from prime_policies.mlp_gmm import MlpGmmIdmConfig
 from prime_policies.mlp_gmm_model import MlpGmmIdm
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
-from prime_policies.training import Schedule, Source, Training, check_identity
-from prime_policies.weights import (
-    check_card,
-    load_weights,
-    make_card,
-    read_tensors,
-    write_card,
-    write_tensors,
-)
+from prime_policies.training import Source
+from prime_policies.training_folder import TrainingFolder
+from prime_policies.weights import Card, check_card, load_weights, make_card, write_card
 
 KIND = "mlp-gmm"
 CLASSIFIER = "classifier"
@@ -41,21 +36,25 @@ def fit_idm(
     """Train the classifier, then the parameters; see `IdmConfig.fit`."""
     folder.mkdir(parents=True, exist_ok=True)
     card = _card(config, description, space)
-    trainer = _IdmTrainer(config, folder, _identity(card, seed, data), seed, progress)
-    width = FeatureEncoder(description).width
-    features = torch.from_numpy(FeatureEncoder(description).encode(data.frames))
-    classifier, parameter_network = _build(config, width, space, seed)
+    epochs = config.classifier_epochs + config.parameter_epochs
+    trainings = TrainingFolder(folder, _identity(card, seed, data), seed, progress, epochs)
+    encoder = FeatureEncoder(description)
+    features = torch.from_numpy(encoder.encode(data.frames))
+    classifier, parameter_network = _build(config, encoder.width, space, seed)
 
     source = building.classifier_source(
         features, data.type_pairs, data.type_labels, data.type_weights
     )
     building.measure_inputs(classifier.trunk, source)
-    trainer.train(CLASSIFIER, classifier, source, config.classifier_epochs)
+    schedule = building.schedule(config, config.classifier_epochs)
+    trainings.train(CLASSIFIER, classifier, [(source, config.batch_size)], schedule)
 
     source = _parameter_source(features, data, space)
     building.measure_inputs(parameter_network.trunk, source)
     building.fit_lines(parameter_network, source, space)
-    trainer.train(PARAMETERS, parameter_network, source, config.parameter_epochs)
+    source = building.with_residuals(parameter_network, source)
+    schedule = building.schedule(config, config.parameter_epochs)
+    trainings.train(PARAMETERS, parameter_network, [(source, config.batch_size)], schedule)
     write_card(folder, card)
     return MlpGmmIdm(description, space, classifier, parameter_network)
 
@@ -70,48 +69,6 @@ def load_idm(
     load_weights(classifier, folder / f"{CLASSIFIER}.safetensors")
     load_weights(parameter_network, folder / f"{PARAMETERS}.safetensors")
     return MlpGmmIdm(description, space, classifier, parameter_network)
-
-
-class _IdmTrainer:
-    """Trains networks into a folder, and counts their epochs together."""
-
-    def __init__(
-        self, config: MlpGmmIdmConfig, folder: Path, identity: str, seed: int, progress: Progress
-    ) -> None:
-        self._config, self._folder, self._identity = config, folder, identity
-        self._seed, self._progress = seed, progress
-        self._done = 0
-
-    def train(
-        self, name: str, network: Classifier | ParameterNetwork, source: Source, epochs: int
-    ) -> None:
-        """Train a network, unless its finished weights are there: then load them."""
-        before, self._done = self._done, self._done + epochs
-        path = self._folder / f"{name}.safetensors"
-        if path.exists():
-            check_identity(path, read_tensors(path)[1], self._identity)
-            load_weights(network, path)
-            return
-        total = self._config.classifier_epochs + self._config.parameter_epochs
-        state = self._folder / f"{name}.training.safetensors"
-        training = Training(state, self._identity, self._seed, self._schedule(epochs))
-        training.run(
-            network,
-            [(source, self._config.batch_size)],
-            keep=lambda epoch: None,
-            report=lambda epoch: self._progress(before + epoch, total),
-        )
-        write_tensors(path, network.state_dict(), {"identity": self._identity})
-        training.finish()
-
-    def _schedule(self, epochs: int) -> Schedule:
-        config = self._config
-        return Schedule(
-            epochs,
-            config.steps_per_epoch,
-            config.learning_rate,
-            config.weight_decay,
-        )
 
 
 def _build(
@@ -136,14 +93,12 @@ def _parameter_source(features: torch.Tensor, data: PairData, space: PrimitiveSp
     )
 
 
-def _card(
-    config: MlpGmmIdmConfig, description: SceneDescription, space: PrimitiveSpace
-) -> dict[str, object]:
+def _card(config: MlpGmmIdmConfig, description: SceneDescription, space: PrimitiveSpace) -> Card:
     return make_card(KIND, config.model_dump(mode="json"), description, space)
 
 
-def _identity(card: dict[str, object], seed: int, data: PairData) -> str:
-    arrays: list[np.ndarray] = [data.frames.state, data.frames.environment_state]
+def _identity(card: Card, seed: int, data: PairData) -> str:
+    arrays: list[NDArray[np.generic]] = [data.frames.state, data.frames.environment_state]
     arrays += [data.type_pairs, data.type_labels, data.type_weights]
     arrays += [data.parameter_pairs, data.parameter_labels]
     arrays += [data.parameters, data.parameter_weights]

@@ -3,6 +3,7 @@
 Both see one frame (a policy) or a pair of frames (an inverse dynamics model).
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import torch
@@ -52,7 +53,7 @@ class Trunk(nn.Module):
             self.register_buffer(name, torch.ones(features))
         self.first = nn.Linear(3 * features if pair else features, hidden[0])
         layers: list[nn.Module] = []
-        for before, after in zip(hidden[:-1], hidden[1:], strict=True):
+        for before, after in pairwise(hidden):
             layers += [nn.Linear(before, after), nn.ReLU()]
         self.rest = nn.Sequential(*layers)
 
@@ -170,28 +171,43 @@ class ParameterNetwork(nn.Module):
             bias[:, :, 1 + width :] = torch.linspace(0.0, 3.0, components)[:, None]
             self.head.bias.copy_(bias.flatten())
 
-    def forward(
-        self, frames: Tensor, labels: Tensor, generator: torch.Generator | None = None
-    ) -> Mixture:
+    def forward(self, frames: Tensor, labels: Tensor) -> Mixture:
         """Return the mixtures of targets.
 
         Args:
             frames: ``(n, 1 or 2, features)``.
             labels: The primitive of each, ``(n,)``.
-            generator: Of the input noise; None for no noise.
         """
+        rest = self._residual_mixture(frames, labels, None)
+        spread = self.spread[labels][:, None]
+        means = self._line(frames, labels)[:, None] + spread * rest.means
+        return rest._replace(means=means, deviations=spread * rest.deviations)
+
+    def residuals(self, frames: Tensor, labels: Tensor, targets: Tensor) -> Tensor:
+        """Return what the lines leave over of targets ``(n, D)``, in spreads, ``(n, D)``.
+
+        The lines do not change while the network trains, so this is done once.
+        """
+        return (targets - self._line(frames, labels)) / self.spread[labels]
+
+    def loss(self, batch: Examples, generator: torch.Generator) -> Tensor:
+        """Return the mean negative log density of residuals, given as the batch's targets."""
+        mixture = self._residual_mixture(batch.frames, batch.labels, generator)
+        return -log_density(mixture, batch.targets).mean()
+
+    def _line(self, frames: Tensor, labels: Tensor) -> Tensor:
+        line: Tensor = (self.weight[labels] @ frames.flatten(1)[:, :, None])[:, :, 0]
+        return line + self.bias[labels]
+
+    def _residual_mixture(
+        self, frames: Tensor, labels: Tensor, generator: torch.Generator | None
+    ) -> Mixture:
         primitives, components, channels = self._shape
         width = channels // 2
         outputs = self.head(self.trunk(frames, generator))
         outputs = outputs.view(-1, primitives, components, channels)
         chosen = outputs[torch.arange(len(labels)), labels]
-        weight, spread = self.weight[labels], self.spread[labels][:, None]
-        line = (weight @ frames.flatten(1)[:, :, None])[:, :, 0] + self.bias[labels]
-        means = line[:, None] + spread * chosen[:, :, 1 : 1 + width]
-        deviations = spread * functional.softplus(chosen[:, :, 1 + width :]) + self.minimum_deviation
+        least = (self.minimum_deviation / self.spread)[labels][:, None]
+        deviations = functional.softplus(chosen[:, :, 1 + width :]) + least
+        means = chosen[:, :, 1 : 1 + width]
         return Mixture(chosen[:, :, 0], means, deviations, self.mask[labels])
-
-    def loss(self, batch: Examples, generator: torch.Generator) -> Tensor:
-        """Return the mean negative log density."""
-        mixture = self(batch.frames, batch.labels, generator)
-        return -log_density(mixture, batch.targets).mean()

@@ -23,4 +23,4 @@ class NetworkSettings(Config):
     learning_rate: float = Field(1e-3, gt=0)
     """Of Adam at the start; it falls to zero by half a cosine."""
     weight_decay: float = Field(1e-3, ge=0)
-    """Of AdamW."""
+    """Decoupled, of Adam."""

@@ -2,19 +2,21 @@
 
 import math
 import zlib
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from prime_core.idm import Floats
+from prime_policies.adam import Adam
 from prime_policies.networks import Classifier, Examples, ParameterNetwork
+from prime_policies.threads import one_thread
 from prime_policies.weights import WeightsError, read_tensors, write_tensors
+
+GRADIENT_LIMIT = 10.0
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class Schedule:
         epochs: After each one the state of the training is kept.
         steps_per_epoch: Steps of Adam.
         learning_rate: At the start; it falls to zero by half a cosine.
-        weight_decay: Of AdamW.
+        weight_decay: Of Adam.
     """
 
     epochs: int
@@ -100,9 +102,7 @@ class Training:
                 may be called for the same epoch again after an interruption.
             report: Called with the same number after an epoch's state was kept.
         """
-        optimiser = torch.optim.AdamW(
-            network.parameters(), lr=0.0, weight_decay=self.schedule.weight_decay, fused=True
-        )
+        optimiser = Adam(network.parameters(), self.schedule.weight_decay)
         with one_thread():
             for epoch in range(self._restore(network, optimiser), self.schedule.epochs):
                 self._run_epoch(epoch, network, sources, optimiser)
@@ -119,7 +119,7 @@ class Training:
         epoch: int,
         network: Classifier | ParameterNetwork,
         sources: Sequence[tuple[Source, int]],
-        optimiser: torch.optim.AdamW,
+        optimiser: Adam,
     ) -> None:
         # An epoch's draws depend on nothing before it: a resumed training draws the same.
         generator = seeded(self.seed, self.state.name, epoch)
@@ -129,41 +129,26 @@ class Training:
             source.draws(generator, steps * size).reshape(steps, size) for source, size in sources
         ]
         for step in range(steps):
-            for group in optimiser.param_groups:
-                group["lr"] = self.schedule.rate(epoch * steps + step)
             batches = [
-                source.batch(rows[step])
-                for (source, _), rows in zip(sources, draws, strict=True)
+                source.batch(rows[step]) for (source, _), rows in zip(sources, draws, strict=True)
             ]
-            optimiser.zero_grad()
-            network.loss(_join(batches), noise).backward()
-            nn.utils.clip_grad_norm_(network.parameters(), 10.0)
-            optimiser.step()
+            loss = network.loss(_join(batches), noise)
+            gradients = torch.autograd.grad(loss, list(network.parameters()))
+            optimiser.step(_limited(gradients), self.schedule.rate(epoch * steps + step))
 
-    def _keep(self, epoch: int, network: nn.Module, optimiser: torch.optim.AdamW) -> None:
+    def _keep(self, epoch: int, network: Classifier | ParameterNetwork, optimiser: Adam) -> None:
         tensors = {f"network.{name}": value for name, value in network.state_dict().items()}
-        for place, state in optimiser.state_dict()["state"].items():
-            tensors |= {f"adam.{place}.{name}": value for name, value in state.items()}
+        tensors |= {f"adam.{name}": value for name, value in optimiser.state().items()}
         write_tensors(self.state, tensors, {"epoch": str(epoch), "identity": self.identity})
 
-    def _restore(self, network: nn.Module, optimiser: torch.optim.AdamW) -> int:
+    def _restore(self, network: Classifier | ParameterNetwork, optimiser: Adam) -> int:
         """Go back to the last finished epoch, and return how many were finished."""
         if not self.state.exists():
             return 0
         tensors, notes = read_tensors(self.state)
         check_identity(self.state, notes, self.identity)
-        weights, moments = {}, dict[int, dict[str, Tensor]]()
-        for name, value in tensors.items():
-            part, _, rest = name.partition(".")
-            if part == "network":
-                weights[rest] = value
-            else:
-                place, _, key = rest.partition(".")
-                moments.setdefault(int(place), {})[key] = value
-        network.load_state_dict(weights)
-        state: dict[str, Any] = optimiser.state_dict()
-        state["state"] = moments
-        optimiser.load_state_dict(state)
+        network.load_state_dict(_part(tensors, "network."))
+        optimiser.restore(_part(tensors, "adam."))
         return int(notes["epoch"])
 
 
@@ -185,18 +170,22 @@ def seeded(seed: int, name: str, number: int) -> np.random.Generator:
     return np.random.default_rng([seed, zlib.crc32(name.encode()), number])
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Use one thread: small matrices are no faster on more, and sums keep their order."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)
-
-
 def _join(batches: Sequence[Examples]) -> Examples:
     if len(batches) == 1:
         return batches[0]
     return Examples(*(torch.cat(parts) for parts in zip(*batches, strict=True)))
+
+
+def _part(tensors: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
+    return {
+        name.removeprefix(prefix): value
+        for name, value in tensors.items()
+        if name.startswith(prefix)
+    }
+
+
+def _limited(gradients: Sequence[Tensor]) -> list[Tensor]:
+    """Scale gradients down where they are too large: one strange batch must not undo a training."""
+    norm = torch.stack([gradient.norm() for gradient in gradients]).norm()
+    scale = (GRADIENT_LIMIT / norm).clamp_max(1.0)
+    return [gradient * scale for gradient in gradients]

@@ -3,16 +3,16 @@
 Nothing is unpickled. Every file is written aside and renamed, so that none is ever half there.
 """
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save
+from safetensors.torch import save_file
 from torch import Tensor, nn
 
+from prime_core.atomic import new_file
 from prime_core.errors import PrimeError
 from prime_core.idm import PrimitiveSpace
 from prime_core.scene import SceneDescription
@@ -56,7 +56,8 @@ def make_card(
 
 def write_card(folder: Path, card: Card) -> None:
     """Write a card into a folder."""
-    write_file(folder / CARD, yaml.safe_dump(card, sort_keys=False).encode())
+    with new_file(folder / CARD) as partial:
+        partial.write_text(yaml.safe_dump(card, sort_keys=False), encoding="utf-8")
 
 
 def check_card(folder: Path, card: Card) -> None:
@@ -96,20 +97,11 @@ def _differences(found: Any, expected: Any, key: str = "") -> list[str]:
     return result
 
 
-def write_file(path: Path, content: bytes) -> None:
-    """Write a file so that it is either whole or not there, even after a power cut."""
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with aside.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    aside.replace(path)
-
-
 def write_tensors(path: Path, tensors: Mapping[str, Tensor], notes: Mapping[str, str]) -> None:
     """Write tensors, with notes as the file's metadata."""
     owned = {name: tensor.detach().contiguous() for name, tensor in tensors.items()}
-    write_file(path, save(owned, dict(notes)))
+    with new_file(path) as partial:
+        save_file(owned, partial, dict(notes))
 
 
 def read_tensors(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:

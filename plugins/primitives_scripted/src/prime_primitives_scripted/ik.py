@@ -2,10 +2,12 @@
 
 A differential step solves, for the change of joint positions dq,
 
-    minimise  |W (J dq - e)|^2 + damping |dq|^2   subject to   G dq <= h
+    minimise  |W (J dq - e)|^2 + cost dq' M dq   subject to   G dq <= h
 
 where e is the error of the gripper's pose (6,), J its Jacobian (6, J), and G, h hold the
-joint position, joint velocity and collision limits. Every solve starts cold from the joints
+joint position, joint velocity and collision limits. M is the arm's inertia: of the ways to
+move the gripper the arm then takes the one that an operational-space controller takes, which
+also moves light joints rather than heavy ones. Every solve starts cold from the joints
 it is given, so that results do not depend on what was solved before.
 """
 
@@ -24,16 +26,19 @@ from prime_primitives_scripted.clearance import Clearance
 Array = NDArray[np.float64]
 
 SOLVER = "daqp"
-DAMPING = 1e-4
+DAMPING = 1e-6
+INERTIA_COST = 1e-3  # [m^2/J]
 ORIENTATION_COST = 0.3  # [m/rad]: where limits bind, 1 mm of position counts like 3 mrad
 TRACKING_TIME = 0.17  # [s] in which a compliant arm follows a command, for velocity limits
 CLEARANCE = 0.002  # [m] to keep between hand and furniture
 NOTICE_DISTANCE = 0.05  # [m] from which furniture counts
+LIMIT_GAIN = 0.5  # share of the way to a joint's limit in a step: the arm overshoots commands
 FREE_ANGLE = 0.25  # [rad] that no joint turns by in one step
-SLACK = 0.02  # [rad] to keep from the margins at the end of a motion
+SLACK = 0.1  # [rad] to keep from the margins at the end of a motion
 SOLVE_STEPS = 40
-POSITION_PRECISION = 5e-4  # [m]
-ANGLE_PRECISION = 5e-3  # [rad]
+IDLE_STEPS = 6  # without getting a tenth nearer, after which it is given up
+PRECISION = 1e-3  # [m]
+ERROR_WEIGHTS = np.array([1.0, 1.0, 1.0, 0.1, 0.1, 0.1])  # [1, m/rad]
 
 
 class InverseKinematics:
@@ -57,8 +62,11 @@ class InverseKinematics:
         self._low = ranges[:, 0] + joint_margin
         self._high = ranges[:, 1] - joint_margin
         self._task = mink.FrameTask(robot.end_effector, "site", 1.0, ORIENTATION_COST)
+        inertia = mink.KineticEnergyRegularizationTask(INERTIA_COST)
+        inertia.set_dt(1.0)
+        self._tasks = [self._task, inertia]
         self._limits: list[Any] = [
-            mink.ConfigurationLimit(self._model, min_distance_from_limits=joint_margin)
+            mink.ConfigurationLimit(self._model, LIMIT_GAIN, joint_margin)
         ]
         if robot.joint_velocity_limits:
             speeds = dict(zip(robot.joint_names, robot.joint_velocity_limits, strict=True))
@@ -111,16 +119,27 @@ class InverseKinematics:
         """
         self._configuration.update(self._inside(joints))
         self._aim(goal)
+        best, idle = np.inf, 0
         for _ in range(SOLVE_STEPS):
             error = self._task.compute_error(self._configuration)
-            exact = np.linalg.norm(error[:3]) < POSITION_PRECISION
-            if exact and np.linalg.norm(error[3:]) < ANGLE_PRECISION:
-                joints = self._configuration.q
-                # The arm's own controller may not find the way along a limit that this one does.
-                within = np.all(joints > self._low + SLACK) and np.all(joints < self._high - SLACK)
-                return joints[self._order] if within else None
+            left = float(np.linalg.norm(error * ERROR_WEIGHTS))
+            if left < PRECISION:
+                return self._within_margins()
+            idle = 0 if left < 0.9 * best else idle + 1
+            if idle == IDLE_STEPS:
+                return None
+            best = min(best, left)
             self._advance()
         return None
+
+    def _within_margins(self) -> Array | None:
+        """Return the joint positions ``(J,)``, or None if one is next to its limit.
+
+        The arm's own controller may not find the way along a limit that the solver finds.
+        """
+        joints = self._configuration.q
+        within = np.all(joints > self._low + SLACK) and np.all(joints < self._high - SLACK)
+        return joints[self._order] if within else None
 
     def _is_free(self, joints: Array) -> bool:
         """Whether no limit can bind in one step, so that there is nothing to solve."""
@@ -147,7 +166,7 @@ class InverseKinematics:
         if self._clearance.is_near(self._configuration.data):
             limits = [*limits, self._collision_limit]
         velocity = mink.solve_ik(
-            self._configuration, [self._task], TRACKING_TIME, SOLVER, DAMPING, limits=limits
+            self._configuration, self._tasks, TRACKING_TIME, SOLVER, DAMPING, limits=limits
         )
         self._configuration.integrate_inplace(velocity, TRACKING_TIME)
 

@@ -13,10 +13,12 @@ Array = NDArray[np.float64]
 OPEN = -1.0
 CLOSE = 1.0
 
-LEAD = 1.0
-"""Steps ahead of which the gripper's pose is extrapolated, so that it brakes in time.
+GAIN = 4.0
+LEAD = 2.5
+"""The command is GAIN times what is left of the way, less LEAD times the last step.
 
-Without it the gripper overshoots by 10 to 15 mm after a long way, and takes 15 steps to return.
+An arm that chases its commands as a critically damped spring with kp 150 then halves what is
+left in each step. Without the lead it overshoots by 10 to 15 mm after a long way.
 """
 
 
@@ -41,4 +43,5 @@ class Mover:
         speed = np.zeros(4) if self._before is None else offset(here, self._before)
         self._before = here
         speed[3] = 0.0
-        return np.append(self._servo.move(scene, offset(goal, here) - LEAD * speed), self.gripper)
+        wanted = GAIN * offset(goal, here) - LEAD * speed
+        return np.append(self._servo.move(scene, wanted), self.gripper)

@@ -25,9 +25,9 @@ WAYPOINT_DISTANCE = 0.02  # [m] from lift height, and from above the goal
 WAYPOINT_ANGLE = 0.2  # [rad]
 SETTLED_DISTANCE = 0.0015  # [m]
 SETTLED_ANGLE = 0.01  # [rad]
-STALL_STEPS = 4
-STALL_DISTANCE = 0.0004  # [m] a step
-STALL_ANGLE = 0.004  # [rad] a step
+STALL_STEPS = 8
+STALL_DISTANCE = 0.0003  # [m] a step
+STALL_ANGLE = 0.003  # [rad] a step
 
 
 def move_while(

@@ -19,7 +19,7 @@ from prime_primitives_scripted.goal import (
 )
 from prime_primitives_scripted.mover import Mover
 from prime_primitives_scripted.phases import Phase, approach, at_most
-from prime_primitives_scripted.servo import make_servo
+from prime_primitives_scripted.servo import least_steps, make_servo
 
 Array = NDArray[np.float64]
 
@@ -65,8 +65,10 @@ class ScriptedPrimitive(Primitive):
         return prior.draw(scene, self.affordances(scene), self.parameter_space, std, generator)
 
     def reachable(self, scene: Scene, parameters: Array) -> bool:
-        """Whether the arm can get there from above within its limits and clear of furniture."""
+        """Whether the arm can get there in time, within its limits and clear of furniture."""
         if not self.parameter_space.contains(parameters):
+            return False
+        if least_steps(scene, parameters) > self._config.approach_steps:
             return False
         return self._servo.plan(scene, parameters) is not None
 

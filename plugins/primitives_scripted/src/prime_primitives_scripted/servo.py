@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+STEP_LENGTH = 0.0135
+"""What the gripper moves in a step along its fastest axis, once it is under way [m]."""
 STEP_LIMIT = float(ACTION_LIMIT[0])  # metres
-TURN_LIMIT = float(ACTION_LIMIT[3])  # radians
+MOVE_LIMIT = ACTION_LIMIT[:4]
 
 
 class Servo:
@@ -58,21 +60,30 @@ class KinematicServo(Servo):
     def __init__(self, inverse_kinematics: "InverseKinematics", lift_height: float) -> None:
         self._inverse_kinematics = inverse_kinematics
         self._lift_height = lift_height
+        self._answered: tuple[bytes, Array | None] | None = None
 
     def plan(self, scene: Scene, parameters: Array) -> Array | None:
         """Return the nearest goal that can be reached from above; see `Servo`."""
-        for goal in equivalent_goals(parameters, scene.gripper_yaw):
-            above = np.array([goal[0], goal[1], self._lift_height, goal[3]])
-            joints = self._inverse_kinematics.solve(scene.joint_positions, above)
-            if joints is not None and self._inverse_kinematics.solve(joints, goal) is not None:
-                return goal
-        return None
+        # A motion starts with the plan that was asked for before it was tried.
+        numbers = (scene.joint_positions, scene.gripper_quaternion, parameters)
+        question = b"".join(np.ascontiguousarray(item).tobytes() for item in numbers)
+        if self._answered is None or self._answered[0] != question:
+            self._answered = (question, self._solve(scene, parameters))
+        return self._answered[1]
 
     def move(self, scene: Scene, wanted: Array) -> Array:
         """Return the nearest move that the arm's limits allow; see `Servo`."""
         here = gripper_goal(scene)
         pose = self._inverse_kinematics.step(scene.joint_positions, here + limited(wanted))
         return limited(offset(pose, here))
+
+    def _solve(self, scene: Scene, parameters: Array) -> Array | None:
+        for goal in equivalent_goals(parameters, scene.gripper_yaw):
+            above = np.array([goal[0], goal[1], self._lift_height, goal[3]])
+            joints = self._inverse_kinematics.solve(scene.joint_positions, above)
+            if joints is not None and self._inverse_kinematics.solve(joints, goal) is not None:
+                return goal
+        return None
 
 
 def limited(move: Array) -> Array:
@@ -86,8 +97,7 @@ def limited(move: Array) -> Array:
     """
     largest = float(np.max(np.abs(move[:3])))
     shift = move[:3] * min(1.0, STEP_LIMIT / max(largest, STEP_LIMIT))
-    turn = np.clip(move[3], -TURN_LIMIT, TURN_LIMIT)
-    return np.append(shift, turn)
+    return np.clip(np.append(shift, move[3]), -MOVE_LIMIT, MOVE_LIMIT)
 
 
 def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo:
@@ -103,3 +113,17 @@ def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo
     from prime_primitives_scripted.ik import InverseKinematics
 
     return KinematicServo(InverseKinematics(description.robot), description.lift_height)
+
+
+def least_steps(scene: Scene, goal: Array) -> int:
+    """Return the motor actions that lifting, travelling and descending take at the least.
+
+    Args:
+        scene: Where the motion starts.
+        goal: Where it ends, ``(4,)``.
+    """
+    height = scene.description.lift_height
+    here = scene.gripper_position
+    across = float(np.max(np.abs(goal[:2] - here[:2])))
+    way = max(height - float(here[2]), 0.0) + across + abs(height - float(goal[2]))
+    return int(way / STEP_LENGTH)

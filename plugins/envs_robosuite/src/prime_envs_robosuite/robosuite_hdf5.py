@@ -1,0 +1,258 @@
+"""Reading what robosuite's own recorder wrote: people's demonstrations in an HDF5 file."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from prime_core.demonstration import Demonstration, DemonstratorConfig
+from prime_core.environment import ACTION_LIMIT, EnvironmentConfig
+from prime_core.errors import DatasetError
+
+from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+
+if TYPE_CHECKING:
+    from prime_envs_robosuite.environment import RobosuiteEnvironment
+
+Array = NDArray[np.float64]
+
+NAME = "robosuite-hdf5"
+OSC_WIDTH = 7  # displacement, rotation vector, gripper
+ROBOT_JOINTS = 9  # 7 of the arm, 2 fingers
+POSE_WIDTH, TWIST_WIDTH = 7, 6  # of a free body in qpos and qvel
+
+
+class RobosuiteHdf5Config(DemonstratorConfig):
+    """Demonstrations that people recorded with robosuite's ``collect_human_demonstrations``.
+
+    Every frame's joint positions and velocities are put into the environment and read off
+    as it sees them. Recordings leave out part of the simulator's state, and our environment
+    keeps the gripper pointing down where people let it tilt: a frame is where the person was,
+    but stepping on from it is only near to what followed.
+    """
+
+    path: Path
+    """The HDF5 file."""
+
+    episodes: tuple[str, ...] | None = None
+    """Groups to take, such as ``[demo_1, demo_3]``; all by default, in the order of their
+    numbers."""
+
+    def count_available(self) -> int:
+        """How many demonstrations the file has or the settings name."""
+        with _open(self.path) as file:
+            return len(self._names(_data(self.path, file)))
+
+    def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
+        """Return one recording; the seed changes nothing. See `DemonstratorConfig`.
+
+        Raises:
+            DatasetError: If the file is not such a recording, or not of this environment.
+        """
+        from prime_envs_robosuite.recording import build_for_recording, task_words
+
+        with _open(self.path) as file:
+            data = _data(self.path, file)
+            names = self._names(data)
+            if not 0 <= index < len(names):
+                raise DatasetError(
+                    f"{self.path}: has demonstrations 0 to {len(names) - 1}, not {index}"
+                )
+            name = names[index]
+            recorded = _recorded_objects(self.path, data, environment)
+            states = _array(self.path, data, f"{name}/states")
+            actions = _array(self.path, data, f"{name}/actions")
+        _check_shapes(f"{self.path}: data/{name}", len(recorded), states, actions)
+        built = build_for_recording(environment, NAME)
+        try:
+            joints = _joint_state(states, recorded, built.description.objects[0].name)
+            shown = _restore(built, *joints, motor_actions(actions), task_words(environment))
+            if not built.is_success():
+                raise DatasetError(f"{self.path}: data/{name} does not end in success")
+        finally:
+            built.close()
+        return shown
+
+    def _names(self, data: Any) -> list[str]:
+        """Return the groups to read.
+
+        Raises:
+            DatasetError: If one of them is not in the file, or there are none.
+        """
+        found = sorted(data, key=_number)
+        for name in self.episodes or ():
+            if name not in found:
+                raise DatasetError(
+                    f"{self.path}: has no group data/{name}; there are: {', '.join(found) or 'none'}"
+                )
+        names = list(found if self.episodes is None else self.episodes)
+        if not names:
+            raise DatasetError(f"{self.path}: holds no demonstration, group 'data' is empty")
+        return names
+
+
+def _number(name: str) -> tuple[int, str]:
+    """Return a key that sorts ``demo_10`` after ``demo_9``."""
+    digits = re.search(r"\d+$", name)
+    return (int(digits.group()) if digits else -1, name)
+
+
+def _open(path: Path) -> Any:
+    """Open an HDF5 file for reading."""
+    import h5py
+
+    if not path.is_file():
+        raise DatasetError(f"{path}: there is no such file (path of demonstrator {NAME!r})")
+    if not h5py.is_hdf5(path):
+        raise DatasetError(f"{path}: is not an HDF5 file; robosuite's recorder writes demo.hdf5")
+    return h5py.File(path, "r")
+
+
+def _data(path: Path, file: Any) -> Any:
+    """Return the group that holds the demonstrations."""
+    if "data" not in file:
+        found = ", ".join(sorted(file)) or "nothing"
+        raise DatasetError(
+            f"{path}: has no group 'data'; it holds {found}. Expected is the layout of "
+            "robosuite's collect_human_demonstrations"
+        )
+    return file["data"]
+
+
+def _array(path: Path, data: Any, key: str) -> Array:
+    """Return a two-dimensional array of the file as float64."""
+    if key not in data:
+        raise DatasetError(f"{path}: has no data set data/{key}")
+    values = np.asarray(data[key], dtype=np.float64)
+    if values.ndim != 2 or len(values) < 2 or not np.all(np.isfinite(values)):
+        raise DatasetError(
+            f"{path}: data/{key} of shape {values.shape} must hold two rows of finite numbers or "
+            "more"
+        )
+    return values
+
+
+def _recorded_objects(path: Path, data: Any, environment: EnvironmentConfig) -> tuple[str, ...]:
+    """Return the objects of a recording, in order.
+
+    Raises:
+        DatasetError: If it is of another task than the environment.
+    """
+    wanted, objects = _recorded_task(environment)
+    found = data.attrs.get("env")
+    found = found.decode() if isinstance(found, bytes) else found
+    if found is None:
+        raise DatasetError(f"{path}: group 'data' has no attribute 'env', the recorded task")
+    if found != wanted:
+        raise DatasetError(
+            f"{path}: attribute 'env' of 'data' is {found!r}; the environment "
+            f"{type(environment).__name__} takes recordings of {wanted!r}"
+        )
+    return objects
+
+
+def _recorded_task(environment: EnvironmentConfig) -> tuple[str | None, tuple[str, ...]]:
+    """Return robosuite's name of an environment and the objects of its recordings, in order."""
+    if isinstance(environment, LiftConfig):
+        return "Lift", ("cube",)
+    if isinstance(environment, PickPlaceConfig):
+        # robosuite keeps the objects that are not to be moved, out of the way.
+        name = f"PickPlace{environment.object.capitalize()}"
+        return name, ("milk", "bread", "cereal", "can")
+    return None, ()
+
+
+def _check_shapes(where: str, objects: int, states: Array, actions: Array) -> None:
+    """Raise if arrays do not fit the model or each other.
+
+    Args:
+        where: File and group.
+        objects: Number of recorded objects.
+        states: ``(N, 1 + nq + nv)``.
+        actions: ``(N, 7)``.
+    """
+    positions = ROBOT_JOINTS + POSE_WIDTH * objects
+    velocities = ROBOT_JOINTS + TWIST_WIDTH * objects
+    expected = 1 + positions + velocities
+    if states.shape[1] != expected:
+        raise DatasetError(
+            f"{where}/states has rows of {states.shape[1]} numbers, must have {expected}: time, "
+            f"{positions} joint positions and {velocities} joint velocities of a Panda and "
+            f"{objects} object(s)"
+        )
+    if actions.shape != (len(states), OSC_WIDTH):
+        raise DatasetError(
+            f"{where}/actions has shape {actions.shape}, must have ({len(states)}, {OSC_WIDTH}): "
+            "an OSC_POSE action for each state"
+        )
+
+
+def _restore(
+    environment: "RobosuiteEnvironment",
+    positions: Array,
+    velocities: Array,
+    actions: Array,
+    task: str,
+) -> Demonstration:
+    """Read every recorded state as the environment sees it.
+
+    Args:
+        environment: Of the recorded task.
+        positions: ``qpos`` of each frame, ``(N, nq)``.
+        velocities: ``qvel`` of each frame, ``(N, nv)``.
+        actions: Motor actions, ``(N, 5)``.
+        task: What is done, in words.
+    """
+    from prime_envs_robosuite.recording import Recorder
+    from prime_envs_robosuite.stepping import GRIPPER_SPEED
+
+    recorder = Recorder(environment)
+    gripper = 0.0  # half open, as robosuite starts
+    for index, action in enumerate(actions):
+        environment.set_joint_state(positions[index], velocities[index], gripper)
+        if index == len(actions) - 1:
+            break
+        recorder.add(action)
+        # Not recorded, but robosuite adds the commands up just so.
+        gripper = float(np.clip(gripper + GRIPPER_SPEED * action[4], -1.0, 1.0))
+    return recorder.finish(float(actions[-1, 4]), task)
+
+
+def _joint_state(states: Array, recorded: Sequence[str], wanted: str) -> tuple[Array, Array]:
+    """Return the joint positions and velocities without the objects that we leave out.
+
+    Args:
+        states: Time, ``qpos`` and ``qvel`` of arm, fingers and objects, ``(N, M)``.
+        recorded: The objects that were recorded, in order.
+        wanted: The one that our environment has.
+
+    Returns:
+        ``(N, 16)`` and ``(N, 15)``.
+    """
+    place = recorded.index(wanted)
+    split = 1 + ROBOT_JOINTS + POSE_WIDTH * len(recorded)
+    poses, twists = states[:, 1:split], states[:, split:]
+    robot = np.arange(ROBOT_JOINTS)
+    pose = ROBOT_JOINTS + POSE_WIDTH * place + np.arange(POSE_WIDTH)
+    twist = ROBOT_JOINTS + TWIST_WIDTH * place + np.arange(TWIST_WIDTH)
+    return poses[:, np.append(robot, pose)], twists[:, np.append(robot, twist)]
+
+
+def motor_actions(actions: Array) -> Array:
+    """Turn recorded OSC_POSE actions into our motor actions.
+
+    robosuite's 1.4 gave displacements and rotations in the world frame, 1.5 gives them in the
+    base frame; a Panda's base is not turned in the tasks that are imported here.
+
+    Args:
+        actions: Displacement, rotation vector, gripper, as recorded: devices may exceed 1,
+            which robosuite's controller clips, ``(N, 7)``.
+
+    Returns:
+        dx, dy, dz [m], dyaw [rad], gripper (-1 open, 1 close), world frame, ``(N, 5)``.
+    """
+    clipped = np.clip(actions, -1.0, 1.0)
+    gripper = np.sign(clipped[:, 6:])
+    return np.hstack((clipped[:, :3], clipped[:, 5:6], gripper)) * ACTION_LIMIT

@@ -1,0 +1,59 @@
+"""Settings of the policy ``prime``."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import Field
+
+from prime_core.idm import PrimitiveSpace
+from prime_core.policy import Policy, PolicyConfig, PolicyData
+from prime_core.progress import Progress
+from prime_core.scene import SceneDescription
+from prime_policies.settings import NetworkSettings
+
+
+class PrimePolicyConfig(PolicyConfig, NetworkSettings):
+    """A classifier of the next primitive and a Gaussian mixture of its parameters.
+
+    Both are pretrained on the rollouts, if asked, and then fine-tuned on the demonstrations.
+    """
+
+    pretraining_epochs: int = Field(8, ge=1)
+    """Epochs of each network on the rollouts."""
+    finetuning_epochs: int = Field(10, ge=1)
+    """Epochs of each network on the demonstrations; a checkpoint is kept after each."""
+    finetuning_steps_per_epoch: int = Field(200, ge=1)
+    """Steps of an epoch on the demonstrations."""
+    finetuning_learning_rate: float = Field(3e-4, gt=0)
+    """Of Adam after pretraining; without pretraining it is `learning_rate`."""
+    rollout_share: float = Field(0.0, ge=0, lt=1)
+    """Share of rollouts in the batches of fine-tuning, against forgetting them."""
+
+    def count_checkpoints(self) -> int:
+        """Return one for each epoch of fine-tuning."""
+        return self.finetuning_epochs
+
+    def fit(
+        self,
+        rollouts: PolicyData | None,
+        demonstrations: PolicyData,
+        description: SceneDescription,
+        space: PrimitiveSpace,
+        folder: Path,
+        seed: int,
+        progress: Progress,
+    ) -> Sequence[Path]:
+        """Train both networks, one after the other."""
+        from prime_policies.prime_training import fit_policy
+
+        return fit_policy(
+            self, rollouts, demonstrations, description, space, folder, seed, progress
+        )
+
+    def load(
+        self, checkpoint: Path, description: SceneDescription, space: PrimitiveSpace
+    ) -> Policy:
+        """Load the two networks of a checkpoint."""
+        from prime_policies.prime_training import load_policy
+
+        return load_policy(self, checkpoint, description, space)

@@ -1,0 +1,193 @@
+"""How the policy ``prime`` is trained and loaded."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from prime_core.features import FeatureEncoder, gripper_yaw
+from prime_core.idm import PrimitiveSpace
+from prime_core.policy import PolicyData
+from prime_core.progress import Progress
+from prime_core.scene import SceneDescription
+from prime_policies import building
+from prime_policies.networks import Classifier, ParameterNetwork
+from prime_policies.parameter_codec import ParameterCodec
+from prime_policies.prime import PrimePolicyConfig
+from prime_policies.prime_model import PrimePolicy
+from prime_policies.training import Schedule, Source
+from prime_policies.training_folder import TrainingFolder
+from prime_policies.weights import (
+    check_card,
+    load_weights,
+    make_card,
+    write_card,
+    write_tensors,
+)
+
+KIND = "prime"
+CLASSIFIER = "classifier"
+PARAMETERS = "parameters"
+
+
+def fit_policy(
+    config: PrimePolicyConfig,
+    rollouts: PolicyData | None,
+    demonstrations: PolicyData,
+    description: SceneDescription,
+    space: PrimitiveSpace,
+    folder: Path,
+    seed: int,
+    progress: Progress,
+) -> list[Path]:
+    """Train the classifier, then the parameters; see `PolicyConfig.fit`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    card = make_card(KIND, config.model_dump(mode="json"), description, space)
+    pretrained = config.pretrain and rollouts is not None
+    data = (
+        [rollouts, demonstrations] if config.pretrain and rollouts is not None else [demonstrations]
+    )
+    identity = building.fingerprint(card, seed, [array for part in data for array in _arrays(part)])
+    epochs = 2 * (config.finetuning_epochs + pretrained * config.pretraining_epochs)
+    trainings = TrainingFolder(folder, identity, seed, progress, epochs)
+    trainer = _PolicyTrainer(config, trainings, pretrained)
+    encoder = FeatureEncoder(description)
+    features = [torch.from_numpy(encoder.encode(part.frames)) for part in data]
+    classifier, parameter_network = _build(config, encoder.width, space, seed)
+
+    pairs = list(zip(data, features, strict=True))
+    sources = [_type_source(part, encoded) for part, encoded in pairs]
+    building.measure_inputs(classifier.trunk, _all_of(sources))
+    trainer.train(CLASSIFIER, classifier, sources, lambda checkpoint: None)
+
+    sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
+    building.measure_inputs(parameter_network.trunk, _all_of(sources))
+    building.fit_lines(parameter_network, sources[0], space)
+    sources = [building.with_residuals(parameter_network, source) for source in sources]
+    # A checkpoint has a card once both its networks are there.
+    trainer.train(PARAMETERS, parameter_network, sources, lambda path: write_card(path, card))
+    return trainer.checkpoints
+
+
+def load_policy(
+    config: PrimePolicyConfig,
+    checkpoint: Path,
+    description: SceneDescription,
+    space: PrimitiveSpace,
+) -> PrimePolicy:
+    """Load a checkpoint that `fit_policy` left."""
+    check_card(checkpoint, make_card(KIND, config.model_dump(mode="json"), description, space))
+    width = FeatureEncoder(description).width
+    classifier, parameter_network = _build(config, width, space, seed=0)
+    load_weights(classifier, checkpoint / f"{CLASSIFIER}.safetensors")
+    load_weights(parameter_network, checkpoint / f"{PARAMETERS}.safetensors")
+    return PrimePolicy(description, space, classifier, parameter_network)
+
+
+class _PolicyTrainer:
+    """Pretrains and fine-tunes networks into checkpoints."""
+
+    def __init__(
+        self, config: PrimePolicyConfig, trainings: TrainingFolder, pretrained: bool
+    ) -> None:
+        self._config, self._trainings, self._pretrained = config, trainings, pretrained
+
+    @property
+    def checkpoints(self) -> list[Path]:
+        """The folders of the checkpoints, oldest first."""
+        epochs = range(1, self._config.finetuning_epochs + 1)
+        return [self._trainings.folder / f"checkpoint_{epoch:02d}" for epoch in epochs]
+
+    def train(
+        self,
+        name: str,
+        network: Classifier | ParameterNetwork,
+        sources: list[Source],
+        complete: Callable[[Path], None],
+    ) -> None:
+        """Pretrain a network on the first source, and fine-tune it on the last.
+
+        Args:
+            name: Of the network.
+            network: What is trained.
+            sources: Rollouts, if it is pretrained, and demonstrations.
+            complete: Called with each checkpoint once the network's weights are in it.
+        """
+        config = self._config
+        if self._pretrained:
+            batches = [(sources[0], config.batch_size)]
+            schedule = building.schedule(config, config.pretraining_epochs)
+            self._trainings.train(f"{name}.pretrained", network, batches, schedule)
+
+        def keep(epoch: int) -> None:
+            checkpoint = self.checkpoints[epoch - 1]
+            checkpoint.mkdir(exist_ok=True)
+            notes = {"identity": self._trainings.identity}
+            write_tensors(checkpoint / f"{name}.safetensors", network.state_dict(), notes)
+            complete(checkpoint)
+
+        self._trainings.train(name, network, self._mixed(sources), self._finetuning(), keep)
+
+    def _finetuning(self) -> Schedule:
+        config = self._config
+        rate = config.finetuning_learning_rate if self._pretrained else config.learning_rate
+        steps = config.finetuning_steps_per_epoch
+        return Schedule(config.finetuning_epochs, steps, rate, config.weight_decay)
+
+    def _mixed(self, sources: list[Source]) -> list[tuple[Source, int]]:
+        """Return how many examples of a fine-tuning batch come from each source."""
+        size = self._config.batch_size
+        from_rollouts = round(size * self._config.rollout_share) if self._pretrained else 0
+        batches = [(sources[-1], size - from_rollouts)]
+        return [*batches, (sources[0], from_rollouts)] if from_rollouts else batches
+
+
+def _build(
+    config: PrimePolicyConfig, width: int, space: PrimitiveSpace, seed: int
+) -> tuple[Classifier, ParameterNetwork]:
+    classifier = building.start_network(
+        lambda: building.build_classifier(config, width, False, len(space.names)), seed, CLASSIFIER
+    )
+    parameter_network = building.start_network(
+        lambda: building.build_parameter_network(config, width, False, space), seed, PARAMETERS
+    )
+    return classifier, parameter_network
+
+
+def _type_source(data: PolicyData, features: torch.Tensor) -> Source:
+    return building.classifier_source(
+        features, data.type_frames, data.type_labels, data.type_weights
+    )
+
+
+def _parameter_source(data: PolicyData, features: torch.Tensor, space: PrimitiveSpace) -> Source:
+    yaws = gripper_yaw(data.frames)[data.parameter_frames]
+    targets = ParameterCodec(space).targets(data.parameters, data.parameter_labels, yaws)
+    return building.parameter_source(
+        features, data.parameter_frames, data.parameter_labels, targets, data.parameter_weights
+    )
+
+
+def _all_of(sources: list[Source]) -> Source:
+    """Join sources, to measure what inputs there are."""
+    offsets = np.cumsum([0, *(len(source.features) for source in sources)])
+    return Source(
+        features=torch.cat([source.features for source in sources]),
+        indices=torch.cat(
+            [
+                source.indices + int(offset)
+                for source, offset in zip(sources, offsets[:-1], strict=True)
+            ]
+        ),
+        labels=torch.cat([source.labels for source in sources]),
+        targets=torch.cat([source.targets for source in sources]),
+        weights=np.concatenate([source.weights for source in sources]),
+    )
+
+
+def _arrays(data: PolicyData) -> list[NDArray[np.generic]]:
+    arrays: list[NDArray[np.generic]] = [data.frames.state, data.frames.environment_state]
+    arrays += [data.type_frames, data.type_labels, data.type_weights, data.parameter_frames]
+    return [*arrays, data.parameter_labels, data.parameters, data.parameter_weights]

@@ -1,0 +1,41 @@
+"""The contracts of the core, on everything that this pack registers."""
+
+import subprocess
+import sys
+
+from prime_core.checks import check_idm, check_policy
+from prime_policies.mlp_gmm import MlpGmmIdmConfig
+from prime_policies.prime import PrimePolicyConfig
+
+BRIEF = {"hidden_sizes": (16, 16), "steps_per_epoch": 3, "batch_size": 16}
+
+
+def test_mlp_gmm_keeps_the_contract() -> None:
+    check_idm(MlpGmmIdmConfig(classifier_epochs=2, parameter_epochs=2, **BRIEF))
+
+
+def test_prime_keeps_the_contract() -> None:
+    check_policy(
+        PrimePolicyConfig(
+            pretraining_epochs=2, finetuning_epochs=2, finetuning_steps_per_epoch=3, **BRIEF
+        )
+    )
+
+
+def test_prime_without_pretraining_keeps_the_contract() -> None:
+    check_policy(
+        PrimePolicyConfig(
+            pretrain=False, finetuning_epochs=2, finetuning_steps_per_epoch=3, **BRIEF
+        )
+    )
+
+
+def test_settings_are_made_without_torch() -> None:
+    code = (
+        "import sys, prime_policies\n"
+        "prime_policies.register_idms(lambda name, config: config())\n"
+        "prime_policies.register_policies(lambda name, config: config())\n"
+        "print('torch' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -1,0 +1,89 @@
+"""Each criterion of success and of starting can fail, for each of its reasons."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from prime_core.scene import Scene
+from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
+
+from .floating_gripper import DESCRIPTION, scene_at
+
+HERE = np.array([0.1, 0.0, 0.9, 0.3])
+reach = ReachConfig().build(DESCRIPTION)
+grasp = GraspConfig().build(DESCRIPTION)
+place = PlaceConfig().build(DESCRIPTION)
+
+
+def ended(held: str | None = None, by: float = 0.0, turned: float = 0.0) -> Scene:
+    return scene_at(HERE[:3] + [by, 0.0, 0.0], HERE[3] + turned, held=held)
+
+
+def test_what_may_start() -> None:
+    empty, full = scene_at(), scene_at(held="block")
+    assert reach.can_start(empty)
+    assert reach.can_start(full)
+    assert grasp.can_start(empty)
+    assert not grasp.can_start(full)
+    assert place.can_start(full)
+    assert not place.can_start(empty)
+
+
+@pytest.mark.parametrize("held", [None, "block"])
+def test_reach_ends_within_tolerances(held: str | None) -> None:
+    start = scene_at(held=held)
+    assert reach.succeeded([start, ended(held, by=0.009, turned=0.19)], HERE)
+    assert not reach.succeeded([start, ended(held, by=0.011)], HERE)
+    assert not reach.succeeded([start, ended(held, turned=0.21)], HERE)
+
+
+def test_a_half_turn_of_the_jaws_changes_nothing() -> None:
+    assert reach.succeeded([scene_at(), ended(turned=np.pi)], HERE)
+    assert not reach.succeeded([scene_at(), ended(turned=np.pi / 2)], HERE)
+
+
+def test_reach_keeps_what_it_holds_and_takes_nothing_else() -> None:
+    assert not reach.succeeded([scene_at(held="block"), ended()], HERE)
+    assert not reach.succeeded([scene_at(), ended("block")], HERE)
+    assert not reach.succeeded([scene_at(held="block"), ended("anvil")], HERE)
+
+
+def test_grasp_holds_a_graspable_object_where_it_was_called_to() -> None:
+    assert grasp.succeeded([scene_at(), ended("block")], HERE)
+    assert not grasp.succeeded([scene_at(), ended()], HERE)
+    assert not grasp.succeeded([scene_at(), ended("anvil")], HERE)
+    assert not grasp.succeeded([scene_at(), ended("block", by=0.011)], HERE)
+    assert not grasp.succeeded([scene_at(), ended("block", turned=0.21)], HERE)
+    assert not grasp.succeeded([scene_at(held="block"), ended("block")], HERE)
+
+
+def released(steps: int = 10) -> list[Scene]:
+    """Scenes of a place: two on the way with the block held, then the gripper opens."""
+    closed = replace(ended("block"), gripper_opening=0.03)
+    opening = [replace(ended(), gripper_opening=0.03 + 0.005 * step) for step in range(steps)]
+    return [scene_at(held="block", opening=0.03), closed, *opening]
+
+
+def test_place_lets_go_at_its_end() -> None:
+    assert place.succeeded(released(), HERE)
+
+
+def test_place_fails_if_the_object_is_lost_on_the_way() -> None:
+    scenes = released()
+    scenes[1] = replace(scenes[1], held=None)
+    assert not place.succeeded(scenes, HERE)
+
+
+def test_place_fails_if_something_is_held_at_the_end() -> None:
+    scenes = released()
+    scenes[-1] = replace(scenes[-1], held="block")
+    assert not place.succeeded(scenes, HERE)
+
+
+def test_place_fails_if_it_held_nothing_or_ended_early_or_never_opened() -> None:
+    scenes = released()
+    assert not place.succeeded([scene_at(), *scenes[1:]], HERE)
+    assert not place.succeeded(scenes[:5], HERE)
+    shut = [replace(scene, gripper_opening=0.0) for scene in scenes[2:]]
+    assert not place.succeeded([*scenes[:2], *shut], HERE)

@@ -1,0 +1,123 @@
+"""Primitives in robosuite's physics."""
+
+import numpy as np
+import pytest
+
+from prime_core.checks import check_primitive
+from prime_core.environment import Environment
+from prime_core.primitive import Primitive
+from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
+
+from .conftest import World
+
+
+def errors(world: World, primitive: Primitive, seeds: range) -> tuple[list[bool], np.ndarray]:
+    """Run reachable uniform draws; return successes and errors [m] at the end."""
+    generator = np.random.default_rng(seeds.start)
+    successes, distances = [], []
+    for seed in seeds:
+        world.reset(seed)
+        drawn = world.draw(primitive, generator, uniform=True)
+        succeeded, execution = world.run(primitive, drawn)
+        successes.append(succeeded)
+        end = execution.scenes[-1].gripper_position
+        distances.append(np.linalg.norm(end - drawn[:3]))
+        assert max(scene.gripper_position[2] for scene in execution.scenes) < 1.10
+    return successes, np.array(distances)
+
+
+def test_uniform_reaches_end_where_they_should(world: World) -> None:
+    successes, distances = errors(world, world.reach, range(12))
+    assert np.mean(successes) >= 0.9
+    assert np.median(distances) < 0.002
+
+
+def test_a_far_reach_then_a_near_one(world: World) -> None:
+    low, high = world.reach.parameter_space.low, world.reach.parameter_space.high
+    scene = world.environment.scene()
+    for side in (low, high):
+        world.reset(3)
+        scene = world.environment.scene()
+        corner = np.array([high[0], side[1], 0.5 * (low[2] + high[2]), 0.0])
+        near = np.append(scene.gripper_position, 0.0).clip(low, high)
+        near[2] = scene.description.lift_height
+        # The farthest point towards the corner that is not refused.
+        ways = np.linspace(1.0, 0.0, 40)[:, None] * (corner - near) + near
+        far = next(point for point in ways if world.reach.reachable(scene, point))
+        assert world.run(world.reach, far)[0]
+        assert world.reach.reachable(world.environment.scene(), near)
+        assert world.run(world.reach, near)[0]
+
+
+def test_goals_out_of_reach_are_refused(milk: World) -> None:
+    milk.reset(0)
+    scene = milk.environment.scene()
+    corners = [[0.30, 0.42, 1.0, 0.0], [0.30, 0.42, 0.85, 0.0]]  # 0.95 m from the base
+    assert not any(milk.reach.reachable(scene, np.array(corner)) for corner in corners)
+    plain = ReachConfig(inverse_kinematics=False).build(scene.description)
+    assert plain.reachable(scene, np.array([0.30, 0.1, 0.85, 0.0]))
+
+
+def test_goals_inside_furniture_are_refused(milk: World) -> None:
+    milk.reset(0)
+    scene = milk.environment.scene()
+    # A finger would stand in the wall between the two bins.
+    assert not milk.reach.reachable(scene, np.array([0.1, 0.02, 0.83, 0.0]))
+
+
+def test_grasps_from_the_prior_succeed(world: World) -> None:
+    generator = np.random.default_rng(0)
+    successes = []
+    for seed in range(10):
+        world.reset(seed)
+        succeeded, execution = world.run(world.grasp, world.draw(world.grasp, generator))
+        successes.append(succeeded)
+        assert execution.finished
+        assert execution.steps <= 80
+    assert np.mean(successes) >= 0.8
+
+
+def test_places_from_the_prior_succeed(world: World) -> None:
+    generator = np.random.default_rng(0)
+    successes = []
+    for seed in range(6):
+        world.pick(seed)
+        succeeded, execution = world.run(world.place, world.draw(world.place, generator))
+        successes.append(succeeded)
+        assert execution.steps <= 80
+    assert np.mean(successes) >= 0.6
+
+
+def test_held_stays_held_on_the_way(world: World) -> None:
+    generator = np.random.default_rng(1)
+    for seed in range(4):
+        world.pick(seed)
+        held = world.environment.scene().held
+        _, execution = world.run(world.reach, world.draw(world.reach, generator))
+        assert {scene.held for scene in execution.scenes} == {held}
+
+
+def test_the_same_start_gives_the_same_motion_whatever_came_before(lift: World) -> None:
+    lift.reset(5)
+    state = lift.environment.get_state()
+    goal = np.array([0.1, 0.2, 0.83, -1.0])
+    first = lift.run(lift.reach, goal)[1]
+    lift.run(lift.reach, np.array([-0.1, -0.2, 0.83, 1.0]))
+    lift.environment.set_state(state)
+    again = lift.run(lift.reach, goal)[1]
+    assert np.array_equal(first.actions, again.actions)
+    fresh = ReachConfig().build(lift.environment.description)
+    lift.environment.set_state(state)
+    assert np.array_equal(first.actions, lift.run(fresh, goal)[1].actions)
+
+
+@pytest.mark.parametrize("config", [ReachConfig(), GraspConfig(), PlaceConfig()])
+def test_primitives_keep_the_contract(
+    config: ReachConfig | GraspConfig | PlaceConfig, lift: World
+) -> None:
+    def prepare(environment: Environment) -> None:
+        scene = environment.scene()
+        if isinstance(config, PlaceConfig):
+            lift.run(lift.grasp, lift.grasp.propose(scene, np.random.default_rng(0)))
+
+    check_primitive(config.build(lift.environment.description), lift.environment, prepare)
