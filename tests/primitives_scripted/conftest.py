@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
-from prime_envs_robosuite import LiftConfig, PickPlaceConfig
 
 from prime_core.environment import Environment
 from prime_core.execution import Execution, run_primitive, settle
 from prime_core.primitive import Primitive
+from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
 
 Primitives = dict[str, Primitive]

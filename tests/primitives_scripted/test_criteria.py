@@ -17,7 +17,7 @@ place = PlaceConfig().build(DESCRIPTION)
 
 
 def ended(held: str | None = None, by: float = 0.0, turned: float = 0.0) -> Scene:
-    return scene_at(HERE[:3] + [by, 0.0, 0.0], HERE[3] + turned, held=held)
+    return scene_at(HERE[:3] + np.array([by, 0.0, 0.0]), HERE[3] + turned, held=held)
 
 
 def test_what_may_start() -> None:
@@ -72,6 +72,17 @@ def test_place_lets_go_at_its_end() -> None:
 def test_place_fails_if_the_object_is_lost_on_the_way() -> None:
     scenes = released()
     scenes[1] = replace(scenes[1], held=None)
+    assert not place.succeeded(scenes, HERE)
+
+
+def test_place_fails_if_it_lets_go_elsewhere() -> None:
+    aside = np.array([0.011, 0.0, 0.0])
+    scenes = [replace(item, gripper_position=HERE[:3] + aside) for item in released()]
+    assert not place.succeeded(scenes, HERE)
+
+
+def test_place_fails_if_the_fingers_are_only_forced_apart() -> None:
+    scenes = [replace(item, gripper_opening=0.03 + 0.0001 * n) for n, item in enumerate(released())]
     assert not place.succeeded(scenes, HERE)
 
 

@@ -11,7 +11,9 @@ PACKAGE = Path(prime_primitives_scripted.__file__).parent
 
 
 def loaded_after(code: str, names: str) -> str:
-    program = f"import sys\n{code}\nprint([name for name in {names!r}.split() if name in sys.modules])"
+    program = (
+        f"import sys\n{code}\nprint([name for name in {names!r}.split() if name in sys.modules])"
+    )
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
@@ -41,4 +43,6 @@ def test_only_one_file_imports_mink_and_mujoco() -> None:
 
 
 def test_all_names_resolve() -> None:
-    assert all(hasattr(prime_primitives_scripted, name) for name in prime_primitives_scripted.__all__)
+    assert all(
+        hasattr(prime_primitives_scripted, name) for name in prime_primitives_scripted.__all__
+    )

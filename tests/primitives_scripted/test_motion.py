@@ -41,9 +41,7 @@ def test_what_is_above_its_goal_goes_straight_down() -> None:
 @pytest.mark.parametrize(
     ("held", "opening", "command"), [(None, 0.08, -1.0), (None, 0.0, 1.0), ("block", 0.06, 1.0)]
 )
-def test_reach_keeps_the_gripper_as_it_is(
-    held: str | None, opening: float, command: float
-) -> None:
+def test_reach_keeps_the_gripper_as_it_is(held: str | None, opening: float, command: float) -> None:
     start = scene_at(held=held, opening=opening)
     _, actions = play(start, reach.motion(start, FAR))
     assert {action[4] for action in actions} == {command}
@@ -101,7 +99,6 @@ def test_the_jaws_take_the_shorter_of_two_turns() -> None:
     assert abs(near[3] - 1.4) <= abs(far[3] - 1.4)
 
 
-def test_a_call_beyond_the_workspace_or_the_step_limit_is_refused() -> None:
+def test_a_call_beyond_the_workspace_is_refused() -> None:
     assert reach.reachable(scene_at(), FAR)
-    assert not reach.reachable(scene_at(), FAR + [0.1, 0.0, 0.0, 0.0])
-    assert not reach.reachable(scene_at((-1.0, 0.2, 0.82)), FAR)
+    assert not reach.reachable(scene_at(), FAR + np.array([0.1, 0.0, 0.0, 0.0]))

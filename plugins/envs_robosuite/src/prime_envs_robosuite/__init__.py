@@ -1,13 +1,25 @@
-"""robosuite tasks as prime environments. Importing this imports neither robosuite nor MuJoCo."""
+"""robosuite tasks as prime environments, and demonstrations of them.
+
+Importing this imports neither robosuite nor MuJoCo.
+"""
 
 from prime_core.hookspecs import Register, hookimpl
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, RobosuiteConfig
-
-__all__ = ["LiftConfig", "PickPlaceConfig", "RobosuiteConfig", "register_environments"]
 
 
 @hookimpl
 def register_environments(register: Register) -> None:
     """Register the environments of this pack."""
+    from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+
     register("robosuite/lift", LiftConfig)
     register("robosuite/pick-place", PickPlaceConfig)
+
+
+@hookimpl
+def register_demonstrators(register: Register) -> None:
+    """Register the simulated teleoperator and the importer of robosuite's recordings."""
+    from prime_envs_robosuite.robosuite_hdf5 import RobosuiteHdf5Config
+    from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
+
+    register("simulated-teleoperator", SimulatedTeleoperatorConfig)
+    register("robosuite-hdf5", RobosuiteHdf5Config)

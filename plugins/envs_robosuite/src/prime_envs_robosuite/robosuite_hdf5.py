@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import ACTION_LIMIT, EnvironmentConfig
 from prime_core.errors import DatasetError
-
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 
 if TYPE_CHECKING:
@@ -84,9 +84,8 @@ class RobosuiteHdf5Config(DemonstratorConfig):
         found = sorted(data, key=_number)
         for name in self.episodes or ():
             if name not in found:
-                raise DatasetError(
-                    f"{self.path}: has no group data/{name}; there are: {', '.join(found) or 'none'}"
-                )
+                groups = ", ".join(found) or "none"
+                raise DatasetError(f"{self.path}: has no group data/{name}; there are: {groups}")
         names = list(found if self.episodes is None else self.episodes)
         if not names:
             raise DatasetError(f"{self.path}: holds no demonstration, group 'data' is empty")
@@ -255,4 +254,4 @@ def motor_actions(actions: Array) -> Array:
     """
     clipped = np.clip(actions, -1.0, 1.0)
     gripper = np.sign(clipped[:, 6:])
-    return np.hstack((clipped[:, :3], clipped[:, 5:6], gripper)) * ACTION_LIMIT
+    return np.asarray(np.hstack((clipped[:, :3], clipped[:, 5:6], gripper)) * ACTION_LIMIT)

@@ -3,11 +3,11 @@
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import AfterValidator, Field, PositiveInt
+
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
-from pydantic import AfterValidator, Field, PositiveInt
-
 from prime_envs_robosuite.teleoperator_motion import Hand, Style
 from prime_envs_robosuite.teleoperator_person import Job, Person, job_of, stands
 
@@ -36,10 +36,10 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     count: PositiveInt = 30
     """How many demonstrations there are."""
 
-    speed: Range = (0.12, 0.22)
+    speed: Range = (0.14, 0.24)
     """Mean speed of long movements [m/s]."""
 
-    pause: Range = (0.3, 0.8)
+    pause: Range = (0.35, 0.9)
     """Mean length of pauses [s]."""
 
     bow: Range = (0.03, 0.15)

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
 from prime_core.environment import Action
 from prime_core.errors import PrimeError
 from prime_core.rotations import rotation_matrix, wrap_angle, yaw_of
 from prime_core.scene import Affordance, Scene
-
 from prime_envs_robosuite.teleoperator_motion import CLOSE, OPEN, Hand, Movement
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ HAND_HALF_SIZE = np.array([0.034, 0.106])  # of the Panda's hand along the gripp
 HAND_BOTTOM = 0.02  # above the point between the fingertips [m]
 SPOTS = 1000  # that are looked at for one where the hand has room
 RELEASE_GAP = (0.001, 0.006)  # between a lowered object and the floor when let go of [m]
+UPRIGHT = 0.98  # least cosine of the angle by which an object may be tilted in the end
 DROP = 0.015  # from how high an object may be let go of [m]
 GREATEST_YAW = 1.4  # of the gripper [rad]; the arm's last joint ends beyond a quarter turn
 

@@ -14,6 +14,7 @@ from torch import Tensor, nn
 from prime_core.errors import DatasetError
 from prime_core.idm import Indices, PrimitiveSpace
 from prime_policies.linear import fit_linear
+from prime_policies.mixture import best_means
 from prime_policies.networks import Classifier, ParameterNetwork, Trunk
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.settings import NetworkSettings
@@ -22,6 +23,9 @@ from prime_policies.training import Schedule, Source, seeded
 SCALE_FLOOR = 1e-2  # [m], [rad] or 1: features that vary less are not blown up
 TAIL = 0.005  # share of values at either end that do not count for the scale
 MAXIMUM_ROWS = 100_000  # more do not make statistics better
+STRETCHES = 40  # of frames that are left out or not
+ENOUGH_ROWS = 8  # left out, to say how far a perceptron is to be trusted
+TRUSTS = torch.linspace(0, 1, 9)
 BLOCK = 4096  # examples whose residuals are computed at a time, which bounds the memory
 
 
@@ -103,9 +107,52 @@ def with_residuals(network: ParameterNetwork, source: Source) -> Source:
     with torch.no_grad():
         blocks = [
             network.residuals(*source.batch(rows))
-            for rows in torch.arange(len(source.labels)).split(BLOCK)
+            for rows in torch.split(torch.arange(len(source.labels)), BLOCK)
         ]
     return replace(source, targets=torch.cat(blocks))
+
+
+def split(source: Source) -> tuple[Source, Source]:
+    """Split examples into those to train on, and an eighth to measure with.
+
+    Frames of one episode follow each other: what is left out are whole stretches of frames.
+    """
+    stretch = source.indices[:, 0] * STRETCHES // len(source.features)
+    left_out = stretch % 8 == 3
+    if bool(left_out.all()) or not bool(left_out.any()):
+        return source, _rows(source, torch.zeros_like(left_out))
+    return _rows(source, ~left_out), _rows(source, left_out)
+
+
+def _rows(source: Source, chosen: Tensor) -> Source:
+    return replace(
+        source,
+        indices=source.indices[chosen],
+        labels=source.labels[chosen],
+        targets=source.targets[chosen],
+        weights=source.weights[chosen.numpy()],
+    )
+
+
+def measure_trust(network: ParameterNetwork, left_out: Source) -> None:
+    """Set how much each primitive's perceptron is trusted, by the errors on data left out.
+
+    Where few rollouts leave little beyond their own noise to learn, the line alone is better.
+
+    Args:
+        network: Trained on other examples.
+        left_out: Examples, with residuals as targets.
+    """
+    with torch.no_grad():
+        for primitive in range(len(network.trust)):
+            rows = torch.nonzero(left_out.labels == primitive)[:, 0]
+            if len(rows) < ENOUGH_ROWS:
+                network.trust[primitive] = 0.0
+                continue
+            batch = left_out.batch(rows)
+            means = best_means(network.residual_mixture(batch.frames, batch.labels))
+            errors = (batch.targets - TRUSTS[:, None, None] * means).abs().mean(dim=1)
+            network.trust[primitive] = TRUSTS[errors.argmin(dim=0)]
 
 
 def classifier_source(

@@ -49,12 +49,18 @@ def fit_idm(
     schedule = building.schedule(config, config.classifier_epochs)
     trainings.train(CLASSIFIER, classifier, [(source, config.batch_size)], schedule)
 
-    source = _parameter_source(features, data, space)
+    source, left_out = building.split(_parameter_source(features, data, space))
     building.measure_inputs(parameter_network.trunk, source)
     building.fit_lines(parameter_network, source, space)
     source = building.with_residuals(parameter_network, source)
-    schedule = building.schedule(config, config.parameter_epochs)
-    trainings.train(PARAMETERS, parameter_network, [(source, config.batch_size)], schedule)
+    left_out = building.with_residuals(parameter_network, left_out)
+    trainings.train(
+        PARAMETERS,
+        parameter_network,
+        [(source, config.batch_size)],
+        building.schedule(config, config.parameter_epochs),
+        lambda epoch: building.measure_trust(parameter_network, left_out),
+    )
     write_card(folder, card)
     return MlpGmmIdm(description, space, classifier, parameter_network)
 

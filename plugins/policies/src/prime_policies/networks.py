@@ -49,8 +49,9 @@ class Trunk(nn.Module):
     def __init__(self, features: int, pair: bool, hidden: tuple[int, ...], noise: float) -> None:
         super().__init__()
         self._pair, self._noise = pair, noise
-        for name in ("mean", "scale", "difference_scale"):
-            self.register_buffer(name, torch.ones(features))
+        self.register_buffer("mean", torch.zeros(features))
+        self.register_buffer("scale", torch.ones(features))
+        self.register_buffer("difference_scale", torch.ones(features))
         self.first = nn.Linear(3 * features if pair else features, hidden[0])
         layers: list[nn.Module] = []
         for before, after in pairwise(hidden):
@@ -124,7 +125,8 @@ class ParameterNetwork(nn.Module):
 
     Each primitive has a line that is fitted before training and sees the features as they are,
     without noise; the perceptron learns what it leaves over, in units of its spread. A target
-    that simply is where the gripper ends is thus exact from the first step.
+    that simply is where the gripper ends is thus exact from the first step. How much of what the
+    perceptron says is added to the line, its trust, is 1 unless it is measured on data left out.
 
     Args:
         trunk: Of the perceptron.
@@ -138,6 +140,7 @@ class ParameterNetwork(nn.Module):
     weight: Tensor
     bias: Tensor
     spread: Tensor
+    trust: Tensor
     mask: Tensor
 
     def __init__(
@@ -159,6 +162,7 @@ class ParameterNetwork(nn.Module):
         self.register_buffer("weight", torch.zeros(primitives, width, inputs))
         self.register_buffer("bias", torch.zeros(primitives, width))
         self.register_buffer("spread", torch.ones(primitives, width))
+        self.register_buffer("trust", torch.ones(primitives, width))
         self.register_buffer("mask", mask.float())
 
     def _start_head(self) -> None:
@@ -178,9 +182,9 @@ class ParameterNetwork(nn.Module):
             frames: ``(n, 1 or 2, features)``.
             labels: The primitive of each, ``(n,)``.
         """
-        rest = self._residual_mixture(frames, labels, None)
-        spread = self.spread[labels][:, None]
-        means = self._line(frames, labels)[:, None] + spread * rest.means
+        rest = self.residual_mixture(frames, labels)
+        spread, trust = self.spread[labels][:, None], self.trust[labels][:, None]
+        means = self._line(frames, labels)[:, None] + spread * trust * rest.means
         return rest._replace(means=means, deviations=spread * rest.deviations)
 
     def residuals(self, frames: Tensor, labels: Tensor, targets: Tensor) -> Tensor:
@@ -192,16 +196,17 @@ class ParameterNetwork(nn.Module):
 
     def loss(self, batch: Examples, generator: torch.Generator) -> Tensor:
         """Return the mean negative log density of residuals, given as the batch's targets."""
-        mixture = self._residual_mixture(batch.frames, batch.labels, generator)
+        mixture = self.residual_mixture(batch.frames, batch.labels, generator)
         return -log_density(mixture, batch.targets).mean()
 
     def _line(self, frames: Tensor, labels: Tensor) -> Tensor:
         line: Tensor = (self.weight[labels] @ frames.flatten(1)[:, :, None])[:, :, 0]
         return line + self.bias[labels]
 
-    def _residual_mixture(
-        self, frames: Tensor, labels: Tensor, generator: torch.Generator | None
+    def residual_mixture(
+        self, frames: Tensor, labels: Tensor, generator: torch.Generator | None = None
     ) -> Mixture:
+        """Return the mixtures of residuals; see `forward` and `Trunk.forward`."""
         primitives, components, channels = self._shape
         width = channels // 2
         outputs = self.head(self.trunk(frames, generator))

@@ -1,7 +1,6 @@
 """Scripted primitives: reach, grasp and place for a parallel-jaw gripper that points down."""
 
 from prime_core.hookspecs import Register, hookimpl
-
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig

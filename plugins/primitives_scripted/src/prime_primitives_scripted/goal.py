@@ -6,6 +6,7 @@ angle: the jaws of a parallel gripper repeat after half a turn, the arm's joints
 
 import numpy as np
 from numpy.typing import NDArray
+
 from prime_core.rotations import wrap_angle
 from prime_core.scene import Scene
 

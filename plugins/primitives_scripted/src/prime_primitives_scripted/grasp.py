@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from prime_core.primitive import Motion
-from prime_core.scene import Affordance, Scene, SceneDescription
 from pydantic import PositiveInt
 
+from prime_core.primitive import Motion
+from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive

@@ -17,10 +17,10 @@ import mink
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down, yaw_of
 from prime_core.scene import RobotDescription
-
 from prime_primitives_scripted.clearance import Clearance
 
 Array = NDArray[np.float64]
@@ -65,9 +65,7 @@ class InverseKinematics:
         inertia = mink.KineticEnergyRegularizationTask(INERTIA_COST)
         inertia.set_dt(1.0)
         self._tasks = [self._task, inertia]
-        self._limits: list[Any] = [
-            mink.ConfigurationLimit(self._model, LIMIT_GAIN, joint_margin)
-        ]
+        self._limits: list[Any] = [mink.ConfigurationLimit(self._model, LIMIT_GAIN, joint_margin)]
         if robot.joint_velocity_limits:
             speeds = dict(zip(robot.joint_names, robot.joint_velocity_limits, strict=True))
             self._limits.append(mink.VelocityLimit(self._model, speeds))
@@ -115,7 +113,8 @@ class InverseKinematics:
             goal: x, y, z [m] and yaw [rad], ``(4,)``.
 
         Returns:
-            Joint positions [rad], ``(J,)``, or None if none are found.
+            Joint positions [rad], ``(J,)``, or None if none are found. Next to a limit counts
+            as not found: the arm's own controller may miss the way along it.
         """
         self._configuration.update(self._inside(joints))
         self._aim(goal)
@@ -124,7 +123,8 @@ class InverseKinematics:
             error = self._task.compute_error(self._configuration)
             left = float(np.linalg.norm(error * ERROR_WEIGHTS))
             if left < PRECISION:
-                return self._within_margins()
+                joints = np.array(self._configuration.q[self._order])
+                return joints if self.room(joints) > SLACK else None
             idle = 0 if left < 0.9 * best else idle + 1
             if idle == IDLE_STEPS:
                 return None
@@ -132,19 +132,14 @@ class InverseKinematics:
             self._advance()
         return None
 
-    def _within_margins(self) -> Array | None:
-        """Return the joint positions ``(J,)``, or None if one is next to its limit.
-
-        The arm's own controller may not find the way along a limit that the solver finds.
-        """
-        joints = self._configuration.q
-        within = np.all(joints > self._low + SLACK) and np.all(joints < self._high - SLACK)
-        return joints[self._order] if within else None
+    def room(self, joints: Array) -> float:
+        """Return the distance of the nearest joint from its margin [rad]; below 0 beyond it."""
+        low, high = self._low[self._order], self._high[self._order]
+        return float(np.minimum(joints - low, high - joints).min())
 
     def _is_free(self, joints: Array) -> bool:
         """Whether no limit can bind in one step, so that there is nothing to solve."""
-        margin = np.minimum(joints - self._low[self._order], self._high[self._order] - joints)
-        if margin.min() < FREE_ANGLE:
+        if self.room(joints) < FREE_ANGLE:
             return False
         data = self._configuration.data
         data.qpos[self._order] = joints

@@ -7,9 +7,9 @@ from collections.abc import Callable, Generator
 
 import numpy as np
 from numpy.typing import NDArray
+
 from prime_core.environment import Action
 from prime_core.scene import Scene
-
 from prime_primitives_scripted.goal import (
     distance,
     gripper_goal,
@@ -28,6 +28,9 @@ SETTLED_ANGLE = 0.01  # [rad]
 STALL_STEPS = 8
 STALL_DISTANCE = 0.0003  # [m] a step
 STALL_ANGLE = 0.003  # [rad] a step
+BLOCKED_STEPS = 3
+BLOCKED_HEIGHT = 0.008  # [m] that are left to descend
+BLOCKED_DESCENT = 0.002  # [m] a step
 
 
 def move_while(
@@ -71,19 +74,22 @@ def approach(scene: Scene, goal: Array, mover: Mover) -> Phase:
 
 
 def settle(scene: Scene, goal: Array, mover: Mover) -> Phase:
-    """Head for a goal until the gripper is there or stands still; at least one step.
+    """Head for a goal until the gripper is there, stands still or stands on something.
+
+    It takes at least one step.
 
     Args:
         scene: Where it starts.
         goal: ``(4,)``.
         mover: Makes the actions.
     """
-    still = 0
-    while still < STALL_STEPS:
+    still = blocked = 0
+    while still < STALL_STEPS and blocked < BLOCKED_STEPS:
         before, scene = scene, (yield mover.action(scene, goal))
         if is_settled(scene, goal):
             break
         still = still + 1 if is_still(before, scene) else 0
+        blocked = blocked + 1 if is_blocked(before, scene, goal) else 0
     return scene
 
 
@@ -137,3 +143,11 @@ def is_still(before: Scene, after: Scene) -> bool:
     """Whether the gripper hardly moved in a step."""
     near = distance(after, before.gripper_position) < STALL_DISTANCE
     return near and jaw_distance(after, before.gripper_yaw) < STALL_ANGLE
+
+
+def is_blocked(before: Scene, after: Scene, goal: Array) -> bool:
+    """Whether the gripper should descend and does not: what it holds stands on something."""
+    left = after.gripper_position[2] - goal[2]
+    descent = before.gripper_position[2] - after.gripper_position[2]
+    over = plane_distance(after, goal) < WAYPOINT_DISTANCE
+    return bool(over and left > BLOCKED_HEIGHT and descent < BLOCKED_DESCENT)

@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 
-from prime_core.primitive import Motion
-from prime_core.scene import Affordance, Scene, SceneDescription
+import numpy as np
 from pydantic import PositiveInt
 
+from prime_core.primitive import Motion
+from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted.goal import jaw_distance, plane_distance
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+
+OPENED = 0.004  # [m] that the gripper opens by at the least when it lets go
 
 
 class PlaceConfig(ScriptedConfig):
@@ -57,20 +60,25 @@ class Place(ScriptedPrimitive):
         mover = Mover(self._servo, CLOSE)
         scene = yield from self._approach(scene, goal, mover)
         if self._is_over(scene, parameters):
+            if scene.gripper_position[2] > goal[2] + self._config.position_tolerance:
+                # The object stands on something: pressing on would push it over.
+                goal = np.array([*goal[:2], scene.gripper_position[2], goal[3]])
             mover.gripper = OPEN
             yield from hold(scene, goal, mover, self._opening_steps)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
-        """Whether the object was held until it was let go of, and nothing is held now.
+        """Whether it let go above the place that it was called to, and holds nothing now.
 
-        The last steps are the gripper's opening; an object that was lost before is not held
-        when they begin, and without them the gripper has not opened.
+        The last steps are the gripper's opening: an object that was lost before is not held
+        when they begin.
         """
         if len(scenes) <= self._opening_steps or scenes[0].held is None:
             return False
         release, after = scenes[-1 - self._opening_steps], scenes[-1]
-        opened = after.gripper_opening > release.gripper_opening
-        return release.held == scenes[0].held and opened and after.held is None
+        # An object that is pressed on forces the fingers apart a little, or seems not held.
+        opened = after.gripper_opening > release.gripper_opening + OPENED
+        let_go = release.held == scenes[0].held and opened and after.held is None
+        return let_go and self._is_over(release, parameters)
 
     def _is_over(self, scene: Scene, parameters: Array) -> bool:
         """Whether the gripper is where it was called to, whatever its height."""

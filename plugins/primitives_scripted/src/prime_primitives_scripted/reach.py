@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from prime_core.primitive import Motion
-from prime_core.scene import Affordance, Scene, SceneDescription
 from pydantic import NonNegativeFloat
 
+from prime_core.primitive import Motion
+from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import PositiveFloat, PositiveInt
+
 from prime_core.primitive import Primitive, PrimitiveConfig
 from prime_core.primitive_calls import Parameter, ParameterSpace
 from prime_core.scene import Affordance, Scene, SceneDescription
-from pydantic import PositiveFloat, PositiveInt
-
 from prime_primitives_scripted import prior
 from prime_primitives_scripted.goal import (
     JAW_PERIOD,
@@ -19,7 +19,7 @@ from prime_primitives_scripted.goal import (
 )
 from prime_primitives_scripted.mover import Mover
 from prime_primitives_scripted.phases import Phase, approach, at_most
-from prime_primitives_scripted.servo import least_steps, make_servo
+from prime_primitives_scripted.servo import make_servo
 
 Array = NDArray[np.float64]
 
@@ -65,10 +65,8 @@ class ScriptedPrimitive(Primitive):
         return prior.draw(scene, self.affordances(scene), self.parameter_space, std, generator)
 
     def reachable(self, scene: Scene, parameters: Array) -> bool:
-        """Whether the arm can get there in time, within its limits and clear of furniture."""
+        """Whether the arm can get there within its limits and clear of furniture."""
         if not self.parameter_space.contains(parameters):
-            return False
-        if least_steps(scene, parameters) > self._config.approach_steps:
             return False
         return self._servo.plan(scene, parameters) is not None
 

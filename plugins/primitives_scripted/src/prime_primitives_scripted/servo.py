@@ -4,10 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from prime_core.environment import ACTION_LIMIT
-from prime_core.rotations import wrap_angle
-from prime_core.scene import Scene, SceneDescription
 
+from prime_core.environment import ACTION_LIMIT
+from prime_core.scene import Scene, SceneDescription
 from prime_primitives_scripted.goal import equivalent_goals, gripper_goal, offset
 
 if TYPE_CHECKING:
@@ -15,9 +14,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STEP_LENGTH = 0.0135
-"""What the gripper moves in a step along its fastest axis, once it is under way [m]."""
-STEP_LIMIT = float(ACTION_LIMIT[0])  # metres
+COMFORT = 0.4
+"""Distance from the joints' limits with which the shorter turn is taken [rad]."""
 MOVE_LIMIT = ACTION_LIMIT[:4]
 
 
@@ -78,16 +76,32 @@ class KinematicServo(Servo):
         return limited(offset(pose, here))
 
     def _solve(self, scene: Scene, parameters: Array) -> Array | None:
+        best, widest = None, 0.0
         for goal in equivalent_goals(parameters, scene.gripper_yaw):
-            above = np.array([goal[0], goal[1], self._lift_height, goal[3]])
-            joints = self._inverse_kinematics.solve(scene.joint_positions, above)
-            if joints is not None and self._inverse_kinematics.solve(joints, goal) is not None:
-                return goal
-        return None
+            room = self._room(scene, goal)
+            # The longer turn has to be worth it.
+            if room > widest + (0.0 if best is None else COMFORT / 2):
+                best, widest = goal, room
+            if widest > COMFORT:
+                break
+        return best
+
+    def _room(self, scene: Scene, goal: Array) -> float:
+        """Return how far from its limits the arm stays at and above a goal [rad], or 0."""
+        solver = self._inverse_kinematics
+        above = solver.solve(
+            scene.joint_positions, np.array([goal[0], goal[1], self._lift_height, goal[3]])
+        )
+        at_goal = None if above is None else solver.solve(above, goal)
+        if above is None or at_goal is None:
+            return 0.0
+        return min(solver.room(above), solver.room(at_goal))
 
 
 def limited(move: Array) -> Array:
-    """Shorten a move until an action holds it; its direction in space stays.
+    """Shorten a move until an action holds it; way and turn keep their proportion.
+
+    Turning at full speed drags the gripper aside: a turn that ends with the way is gentler.
 
     Args:
         move: x, y, z [m] and yaw [rad], ``(4,)``.
@@ -95,9 +109,8 @@ def limited(move: Array) -> Array:
     Returns:
         ``(4,)``.
     """
-    largest = float(np.max(np.abs(move[:3])))
-    shift = move[:3] * min(1.0, STEP_LIMIT / max(largest, STEP_LIMIT))
-    return np.clip(np.append(shift, move[3]), -MOVE_LIMIT, MOVE_LIMIT)
+    excess = max(1.0, float(np.max(np.abs(move) / MOVE_LIMIT)))
+    return np.clip(move / excess, -MOVE_LIMIT, MOVE_LIMIT)
 
 
 def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo:
@@ -113,17 +126,3 @@ def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo
     from prime_primitives_scripted.ik import InverseKinematics
 
     return KinematicServo(InverseKinematics(description.robot), description.lift_height)
-
-
-def least_steps(scene: Scene, goal: Array) -> int:
-    """Return the motor actions that lifting, travelling and descending take at the least.
-
-    Args:
-        scene: Where the motion starts.
-        goal: Where it ends, ``(4,)``.
-    """
-    height = scene.description.lift_height
-    here = scene.gripper_position
-    across = float(np.max(np.abs(goal[:2] - here[:2])))
-    way = max(height - float(here[2]), 0.0) + across + abs(height - float(goal[2]))
-    return int(way / STEP_LENGTH)

@@ -1,0 +1,45 @@
+import math
+
+import pytest
+import torch
+from torch.distributions import Categorical, Independent, MixtureSameFamily, Normal
+
+from prime_policies.mixture import Mixture, best_means, log_density
+
+
+def mixture() -> Mixture:
+    generator = torch.Generator().manual_seed(0)
+    return Mixture(
+        logits=torch.randn(4, 3, generator=generator),
+        means=torch.randn(4, 3, 2, generator=generator),
+        deviations=0.1 + torch.rand(4, 3, 2, generator=generator),
+        mask=torch.ones(4, 2),
+    )
+
+
+def test_density_is_that_of_torch() -> None:
+    ours, values = mixture(), torch.randn(4, 2, generator=torch.Generator().manual_seed(1))
+    parts = Independent(Normal(ours.means, ours.deviations), 1)
+    reference = MixtureSameFamily(Categorical(logits=ours.logits), parts)
+    torch.testing.assert_close(log_density(ours, values), reference.log_prob(values))
+
+
+def test_padding_does_not_count() -> None:
+    ours = mixture()
+    masked = ours._replace(mask=torch.tensor([[1.0, 0.0]]).expand(4, 2))
+    values = torch.zeros(4, 2)
+    moved = values + torch.tensor([0.0, 9.0])
+    assert torch.equal(log_density(masked, values), log_density(masked, moved))
+    alone = Mixture(ours.logits, ours.means[..., :1], ours.deviations[..., :1], torch.ones(4, 1))
+    torch.testing.assert_close(log_density(masked, values), log_density(alone, values[:, :1]))
+
+
+def test_best_mean_is_that_of_the_weightiest_component() -> None:
+    ours = mixture()._replace(logits=torch.tensor([[0.0, 2.0, 1.0]] * 4))
+    assert torch.equal(best_means(ours), ours.means[:, 1])
+
+
+def test_a_single_gaussian_has_its_density() -> None:
+    one = Mixture(torch.zeros(1, 1), torch.zeros(1, 1, 1), torch.ones(1, 1, 1), torch.ones(1, 1))
+    expected = -0.5 * math.log(2 * math.pi)
+    assert float(log_density(one, torch.zeros(1, 1))[0]) == pytest.approx(expected)

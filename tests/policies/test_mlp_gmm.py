@@ -1,0 +1,200 @@
+"""The inverse dynamics model, on rollouts of a toy world."""
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prime_core.errors import PrimeError
+from prime_core.idm import InverseDynamicsModel, PairData
+from prime_core.progress import no_progress
+from prime_policies.mlp_gmm import MlpGmmIdmConfig
+
+from .toy_world import DESCRIPTION, OTHER, SPACE, pair_data, rollouts
+
+CONFIG = MlpGmmIdmConfig(
+    hidden_sizes=(64, 64), classifier_epochs=2, parameter_epochs=2, steps_per_epoch=150
+)
+BRIEF = MlpGmmIdmConfig(
+    hidden_sizes=(8,), classifier_epochs=2, parameter_epochs=2, steps_per_epoch=5, batch_size=16
+)
+
+
+class KilledError(Exception):
+    """Stands for a kill."""
+
+
+@pytest.fixture(scope="module")
+def unseen() -> PairData:
+    return pair_data(rollouts(seed=99, episodes=60))
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[InverseDynamicsModel, Path]:
+    folder = tmp_path_factory.mktemp("idm")
+    data = pair_data(rollouts(seed=1, episodes=80))
+    return CONFIG.fit(data, DESCRIPTION, SPACE, folder, 0, no_progress), folder
+
+
+@pytest.fixture(scope="module")
+def few() -> PairData:
+    return pair_data(rollouts(seed=2, episodes=4))
+
+
+def fit(data: PairData, folder: Path, seed: int = 0, kill_at: int = 99) -> InverseDynamicsModel:
+    def progress(done: int, total: int) -> None:
+        assert total == 4
+        if done == kill_at:
+            raise KilledError
+
+    return BRIEF.fit(data, DESCRIPTION, SPACE, folder, seed, progress)
+
+
+def answers(idm: InverseDynamicsModel, data: PairData) -> list[np.ndarray]:
+    features = idm.encode(data.frames)
+    scores = idm.score(features, data.type_pairs)
+    return [scores, *idm.parameters(features, data.parameter_pairs, data.parameter_labels)]
+
+
+def same(left: list[np.ndarray], right: list[np.ndarray]) -> bool:
+    return all(np.array_equal(*both) for both in zip(left, right, strict=True))
+
+
+def test_primitives_are_told_apart(
+    trained: tuple[InverseDynamicsModel, Path], unseen: PairData
+) -> None:
+    idm, _ = trained
+    scores = idm.score(idm.encode(unseen.frames), unseen.type_pairs)
+    right = scores.argmax(axis=1) == unseen.type_labels
+    for label in range(OTHER):
+        assert right[unseen.type_labels == label].mean() > 0.75, SPACE.names[label]
+
+
+def test_scores_are_log_probabilities(
+    trained: tuple[InverseDynamicsModel, Path], unseen: PairData
+) -> None:
+    idm, _ = trained
+    scores = idm.score(idm.encode(unseen.frames), unseen.type_pairs)
+    np.testing.assert_allclose(np.exp(scores).sum(axis=1), 1.0, atol=1e-5)
+
+
+def test_parameters_are_better_than_where_the_gripper_ends(
+    trained: tuple[InverseDynamicsModel, Path], unseen: PairData
+) -> None:
+    idm, _ = trained
+    pairs, labels = unseen.parameter_pairs, unseen.parameter_labels
+    found, _ = idm.parameters(idm.encode(unseen.frames), pairs, labels)
+    ends = unseen.frames.state[pairs[:, 1], :3]
+    for label, space in enumerate(SPACE.parameter_spaces):
+        rows = labels == label
+        error = np.abs(space.difference(found[rows], unseen.parameters[rows]))
+        distance = np.linalg.norm(error[:, :3], axis=1)
+        trivial = np.linalg.norm(ends[rows] - unseen.parameters[rows, :3], axis=1)
+        assert np.median(distance) < 0.5 * np.median(trivial)
+        # The toy world's noise is 1 mm in each direction: a median of 1.5 mm is all there is.
+        assert np.median(distance) < 2.2e-3
+        assert np.degrees(np.median(error[:, 3])) < 1.0
+
+
+def test_few_rollouts_are_enough_for_parameters(tmp_path: Path, unseen: PairData) -> None:
+    idm = fit(pair_data(rollouts(seed=3, episodes=12)), tmp_path)
+    pairs, labels = unseen.parameter_pairs, unseen.parameter_labels
+    found, _ = idm.parameters(idm.encode(unseen.frames), pairs, labels)
+    ends = unseen.frames.state[pairs[:, 1], :3]
+    distance = np.linalg.norm(found[:, :3] - unseen.parameters[:, :3], axis=1)
+    trivial = np.linalg.norm(ends - unseen.parameters[:, :3], axis=1)
+    for label in range(OTHER):
+        assert np.median(distance[labels == label]) <= np.median(trivial[labels == label])
+
+
+def test_a_density_falls_away_from_what_is_likely(
+    trained: tuple[InverseDynamicsModel, Path], unseen: PairData
+) -> None:
+    idm, _ = trained
+    features = idm.encode(unseen.frames)
+    rows = unseen.parameter_labels == 0
+    _, likely = idm.parameters(features, unseen.parameter_pairs[rows], np.zeros(rows.sum(), int))
+    # Four numbers known to about a hundredth of their range.
+    assert 8 < np.median(likely) < 30
+
+
+def test_a_subset_scores_as_among_all(
+    trained: tuple[InverseDynamicsModel, Path], unseen: PairData
+) -> None:
+    idm, _ = trained
+    features = idm.encode(unseen.frames)
+    pairs = np.array(list(itertools.combinations(range(80), 2)))
+    whole = idm.score(features, pairs)
+    np.testing.assert_allclose(idm.score(features, pairs[100:110]), whole[100:110], atol=1e-5)
+    few = idm.encode(unseen.frames[:80])
+    np.testing.assert_allclose(idm.score(few, pairs), whole, atol=1e-5)
+
+
+def test_what_is_loaded_answers_to_the_same_bits(
+    trained: tuple[InverseDynamicsModel, Path], unseen: PairData
+) -> None:
+    idm, folder = trained
+    assert sorted(item.name for item in folder.iterdir()) == [
+        "classifier.safetensors",
+        "model.yaml",
+        "parameters.safetensors",
+    ]
+    assert same(answers(CONFIG.load(folder, DESCRIPTION, SPACE), unseen), answers(idm, unseen))
+
+
+@pytest.mark.parametrize("epoch", [1, 2, 3, 4])
+def test_a_killed_training_goes_on_to_the_same_bits(
+    tmp_path: Path, few: PairData, epoch: int
+) -> None:
+    with pytest.raises(KilledError):
+        fit(few, tmp_path / "killed", kill_at=epoch)
+    with pytest.raises(PrimeError, match=r"model\.yaml is missing"):
+        BRIEF.load(tmp_path / "killed", DESCRIPTION, SPACE)
+    resumed, whole = fit(few, tmp_path / "killed"), fit(few, tmp_path / "whole")
+    assert same(answers(resumed, few), answers(whole, few))
+
+
+def test_the_seed_decides(tmp_path: Path, few: PairData) -> None:
+    first, second = fit(few, tmp_path / "a"), fit(few, tmp_path / "b")
+    assert same(answers(first, few), answers(second, few))
+    assert not same(answers(first, few), answers(fit(few, tmp_path / "c", seed=1), few))
+
+
+def test_a_finished_training_of_other_data_is_not_overwritten(
+    tmp_path: Path, few: PairData
+) -> None:
+    fit(few, tmp_path)
+    with pytest.raises(PrimeError, match="other settings, seed or data. Remove"):
+        fit(pair_data(rollouts(seed=5, episodes=4)), tmp_path)
+
+
+def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PrimeError, match="holds no trained 'mlp-gmm'"):
+        BRIEF.load(tmp_path, DESCRIPTION, SPACE)
+
+
+def test_no_rollouts_are_refused(tmp_path: Path, few: PairData) -> None:
+    nothing = np.empty((0, 2), dtype=np.int64)
+    empty = PairData(
+        few.frames, nothing, nothing[:, 0], np.empty(0), nothing, nothing[:, 0],
+        np.empty((0, 4)), np.empty(0),
+    )  # fmt: skip
+    with pytest.raises(PrimeError, match="no rollout or segment was kept"):
+        fit(empty, tmp_path)
+
+
+def test_a_primitive_without_rollouts_does_no_harm(tmp_path: Path, few: PairData) -> None:
+    rows, types = few.parameter_labels != 2, few.type_labels != 2
+    data = PairData(
+        few.frames,
+        few.type_pairs[types],
+        few.type_labels[types],
+        few.type_weights[types],
+        few.parameter_pairs[rows],
+        few.parameter_labels[rows],
+        few.parameters[rows],
+        few.parameter_weights[rows],
+    )
+    found = answers(fit(data, tmp_path), few)
+    assert all(np.isfinite(item).all() for item in found)

@@ -1,0 +1,87 @@
+import torch
+
+from prime_policies.networks import Classifier, Examples, ParameterNetwork, Trunk
+
+
+def trunk(pair: bool) -> Trunk:
+    torch.manual_seed(0)
+    result = Trunk(features=3, pair=pair, hidden=(8, 6), noise=0.5)
+    result.mean.copy_(torch.tensor([0.1, -0.2, 0.3]))
+    result.scale.copy_(torch.tensor([0.5, 2.0, 0.1]))
+    result.difference_scale.copy_(torch.tensor([0.3, 0.7, 5.0]))
+    return result
+
+
+def parameter_network(pair: bool = True) -> ParameterNetwork:
+    mask = torch.tensor([[True, True], [True, False]])
+    return ParameterNetwork(trunk(pair), 6, 3 * (1 + pair), mask, 5, minimum_deviation=1e-3)
+
+
+def frames(count: int, seen: int) -> torch.Tensor:
+    return torch.randn(count, seen, 3, generator=torch.Generator().manual_seed(1))
+
+
+def test_halves_of_pairs_add_up_to_the_whole() -> None:
+    ours, pairs = trunk(pair=True), frames(7, 2)
+    starts, _ = ours.halves(pairs[:, 0])
+    _, ends = ours.halves(pairs[:, 1])
+    torch.testing.assert_close(ours.finish(starts + ends), ours(pairs))
+
+
+def test_strange_features_are_clipped() -> None:
+    ours = trunk(pair=False)
+    far, further = torch.full((1, 1, 3), 1e3), torch.full((1, 1, 3), 1e6)
+    assert torch.equal(ours(far), ours(further))
+
+
+def test_noise_comes_from_its_generator() -> None:
+    ours, some = trunk(pair=True), frames(4, 2)
+    noisy = [ours(some, torch.Generator().manual_seed(seed)) for seed in (0, 0, 1)]
+    assert torch.equal(noisy[0], noisy[1])
+    assert not torch.equal(noisy[0], noisy[2])
+    assert not torch.equal(noisy[0], ours(some))
+
+
+def test_classes_have_probabilities() -> None:
+    scores = Classifier(trunk(pair=True), 6, classes=4)(frames(5, 2))
+    torch.testing.assert_close(scores.exp().sum(dim=1), torch.ones(5))
+
+
+def test_parameters_start_near_the_line() -> None:
+    ours = parameter_network()
+    ours.weight[0, 1, 4] = 1.0
+    ours.bias[0, 1] = 0.25
+    ours.spread.fill_(1e-3)
+    pairs = frames(5, 2)
+    means = ours(pairs, torch.zeros(5, dtype=torch.int64)).means
+    expected = (pairs[:, 1, 1] + 0.25)[:, None].expand(5, 5)
+    torch.testing.assert_close(means[:, :, 1], expected, atol=1e-3, rtol=0)
+
+
+def test_residuals_are_targets_less_the_line() -> None:
+    ours = parameter_network()
+    ours.weight[1, 0, 0] = 2.0
+    ours.spread.fill_(0.5)
+    pairs, labels = frames(5, 2), torch.ones(5, dtype=torch.int64)
+    targets = torch.stack((2.0 * pairs[:, 0, 0] + 0.5, torch.zeros(5)), dim=1)
+    expected = torch.tensor([[1.0, 0.0]]).expand(5, 2)
+    torch.testing.assert_close(ours.residuals(pairs, labels, targets), expected)
+
+
+def test_deviations_are_never_below_the_least() -> None:
+    ours = parameter_network()
+    with torch.no_grad():
+        ours.head.bias.fill_(-100.0)
+    ours.spread.fill_(1e-4)
+    deviations = ours(frames(5, 2), torch.zeros(5, dtype=torch.int64)).deviations
+    assert float(deviations.detach().min()) >= 0.999e-3
+
+
+def test_losses_are_finite_and_have_gradients_everywhere() -> None:
+    labels = torch.tensor([0, 1, 0, 1])
+    batch = Examples(frames(4, 2), labels, torch.zeros(4, 2))
+    networks = (Classifier(trunk(pair=True), 6, classes=2), parameter_network())
+    for network in networks:
+        loss = network.loss(batch, torch.Generator().manual_seed(0))
+        gradients = torch.autograd.grad(loss, list(network.parameters()))
+        assert all(bool(item.isfinite().all()) for item in gradients)

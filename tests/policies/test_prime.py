@@ -1,0 +1,219 @@
+"""The policy, on rollouts and demonstrations of a toy world."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from prime_core.errors import PrimeError
+from prime_core.policy import Policy, PolicyData
+from prime_core.primitive_calls import PrimitiveCall
+from prime_core.progress import no_progress
+from prime_core.rotations import wrap_angle
+from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene
+from prime_policies.prime import PrimePolicyConfig
+
+from .toy_world import BIN, DESCRIPTION, SPACE, World, demonstrations, policy_data, rollouts
+
+CONFIG = PrimePolicyConfig(
+    hidden_sizes=(64, 64),
+    steps_per_epoch=150,
+    pretraining_epochs=2,
+    finetuning_epochs=2,
+    finetuning_steps_per_epoch=150,
+)
+BRIEF = PrimePolicyConfig(
+    hidden_sizes=(8,),
+    steps_per_epoch=5,
+    batch_size=16,
+    pretraining_epochs=2,
+    finetuning_epochs=2,
+    finetuning_steps_per_epoch=5,
+)
+ALL = np.array([True, True, True])
+
+
+class KilledError(Exception):
+    """Stands for a kill."""
+
+
+@pytest.fixture(scope="module")
+def explored() -> PolicyData:
+    return policy_data(rollouts(seed=1, episodes=60))
+
+
+@pytest.fixture(scope="module")
+def shown() -> PolicyData:
+    return policy_data(demonstrations(seed=2, episodes=20), augmented=True)
+
+
+@pytest.fixture(scope="module")
+def checkpoints(
+    tmp_path_factory: pytest.TempPathFactory, explored: PolicyData, shown: PolicyData
+) -> list[Path]:
+    folder = tmp_path_factory.mktemp("policy")
+    return list(CONFIG.fit(explored, shown, DESCRIPTION, SPACE, folder, 0, no_progress))
+
+
+@pytest.fixture(scope="module")
+def policy(checkpoints: list[Path]) -> Policy:
+    return CONFIG.load(checkpoints[-1], DESCRIPTION, SPACE)
+
+
+def scenes(world: World) -> list[Scene]:
+    """Return the scene at the start of each call."""
+    frames = world.frames()
+    return [
+        DESCRIPTION.scene(
+            {
+                STATE_KEY: frames.state[start],
+                ENVIRONMENT_STATE_KEY: frames.environment_state[start],
+            }
+        )
+        for start, *_ in world.calls
+    ]
+
+
+def act(policy: Policy, scene: Scene, startable: np.ndarray = ALL) -> PrimitiveCall:
+    return policy.act(scene, startable, np.random.default_rng(0))
+
+
+def fit(
+    folder: Path,
+    explored: PolicyData | None,
+    shown: PolicyData,
+    seed: int = 0,
+    kill_at: int = 99,
+    config: PrimePolicyConfig = BRIEF,
+) -> list[Path]:
+    def progress(done: int, total: int) -> None:
+        if done == kill_at:
+            raise KilledError
+
+    return list(config.fit(explored, shown, DESCRIPTION, SPACE, folder, seed, progress))
+
+
+def contents(checkpoints: list[Path]) -> list[bytes]:
+    return [
+        file.read_bytes()
+        for folder in checkpoints
+        for file in sorted(folder.iterdir())
+        if file.suffix == ".safetensors"
+    ]
+
+
+def test_it_does_what_was_shown(policy: Policy) -> None:
+    world = demonstrations(seed=9, episodes=40)
+    for scene, (_, _, primitive, parameters) in zip(scenes(world), world.calls, strict=True):
+        call = act(policy, scene)
+        assert call.primitive == SPACE.names[primitive]
+        assert np.abs(call.parameters[:3] - parameters[:3]).max() < 0.06
+
+
+def test_it_grasps_where_the_object_is_and_places_where_it_was_shown(policy: Policy) -> None:
+    world = demonstrations(seed=8, episodes=60)
+    grasps, yaws, places = [], [], []
+    for scene, (_, _, primitive, parameters) in zip(scenes(world), world.calls, strict=True):
+        call = act(policy, scene)
+        if primitive == 1:
+            grasps.append(np.linalg.norm(call.parameters[:3] - parameters[:3]))
+            yaws.append(abs(wrap_angle(call.parameters[3] - parameters[3], np.pi / 2)))
+        else:
+            places.append(np.linalg.norm(call.parameters[:3] - BIN))
+    assert np.median(grasps) < 0.012
+    assert np.degrees(np.median(yaws)) < 6
+    assert np.median(places) < 0.025
+
+
+def test_it_picks_only_what_can_start(policy: Policy) -> None:
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    for index, name in enumerate(SPACE.names):
+        assert act(policy, scene, np.arange(3) == index).primitive == name
+    assert act(policy, scene, np.array([True, False, True])).primitive != "grasp"
+
+
+def test_its_parameters_are_within_their_bounds(policy: Policy) -> None:
+    for scene in scenes(rollouts(seed=7, episodes=10)):
+        call = act(policy, scene)
+        assert SPACE.parameter_spaces[SPACE.names.index(call.primitive)].contains(call.parameters)
+
+
+def test_the_same_scene_gives_the_same_call(policy: Policy) -> None:
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    first, second = act(policy, scene), policy.act(scene, ALL, np.random.default_rng(5))
+    assert first.primitive == second.primitive
+    assert np.array_equal(first.parameters, second.parameters)
+
+
+def test_a_checkpoint_is_kept_after_each_epoch(checkpoints: list[Path]) -> None:
+    assert [path.name for path in checkpoints] == ["checkpoint_01", "checkpoint_02"]
+    for path in checkpoints:
+        assert sorted(item.name for item in path.iterdir()) == [
+            "classifier.safetensors",
+            "model.yaml",
+            "parameters.safetensors",
+        ]
+    assert len(set(contents(checkpoints))) == 4
+    assert len(checkpoints) == CONFIG.count_checkpoints()
+
+
+@pytest.mark.parametrize("epoch", [1, 2, 3, 5, 7, 8])
+def test_a_killed_training_goes_on_to_the_same_bits(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData, epoch: int
+) -> None:
+    with pytest.raises(KilledError):
+        fit(tmp_path / "killed", explored, shown, kill_at=epoch)
+    resumed = fit(tmp_path / "killed", explored, shown)
+    whole = fit(tmp_path / "whole", explored, shown)
+    assert contents(resumed) == contents(whole)
+
+
+def test_a_checkpoint_is_complete_only_with_both_networks(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData
+) -> None:
+    # Epochs: 2 + 2 of the classifier, 2 + 2 of the parameters.
+    with pytest.raises(KilledError):
+        fit(tmp_path, explored, shown, kill_at=7)
+    BRIEF.load(tmp_path / "checkpoint_01", DESCRIPTION, SPACE)
+    with pytest.raises(PrimeError, match="holds no trained 'prime'"):
+        BRIEF.load(tmp_path / "checkpoint_02", DESCRIPTION, SPACE)
+
+
+def test_the_seed_decides(tmp_path: Path, explored: PolicyData, shown: PolicyData) -> None:
+    first, second = (contents(fit(tmp_path / name, explored, shown)) for name in "ab")
+    assert first == second
+    assert first != contents(fit(tmp_path / "c", explored, shown, seed=1))
+
+
+def test_rollouts_may_be_mixed_into_fine_tuning(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData
+) -> None:
+    mixed = BRIEF.model_copy(update={"rollout_share": 0.25})
+    found = fit(tmp_path / "mixed", explored, shown, config=mixed)
+    assert contents(found) != contents(fit(tmp_path / "pure", explored, shown))
+
+
+def test_it_trains_without_rollouts(tmp_path: Path, shown: PolicyData) -> None:
+    world = demonstrations(seed=9, episodes=1)
+    found = fit(tmp_path, None, shown)
+    call = act(BRIEF.load(found[-1], DESCRIPTION, SPACE), scenes(world)[0])
+    assert call.primitive in SPACE.names
+
+
+def test_rollouts_are_ignored_where_pretraining_is_off(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData
+) -> None:
+    config = BRIEF.model_copy(update={"pretrain": False})
+    with_rollouts = fit(tmp_path / "a", explored, shown, config=config)
+    without = fit(tmp_path / "b", None, shown, config=config)
+    assert contents(with_rollouts) == contents(without)
+
+
+def test_a_folder_that_is_no_checkpoint_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PrimeError, match=r"holds no trained 'prime': model\.yaml is missing"):
+        BRIEF.load(tmp_path, DESCRIPTION, SPACE)
+
+
+def test_a_checkpoint_of_other_settings_is_refused(checkpoints: list[Path]) -> None:
+    with pytest.raises(PrimeError, match=r"settings\.hidden_sizes is \[64, 64\] there, \[8\] here"):
+        BRIEF.load(checkpoints[0], DESCRIPTION, SPACE)
