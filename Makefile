@@ -7,20 +7,12 @@
 VENV := .venv
 PYTHON ?= $(firstword $(shell for name in python3.12 python3 python; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 12))' 2>/dev/null && echo $$name; done))
-UV := $(shell uv --version >/dev/null 2>&1 && echo uv)
-
 DISTRIBUTIONS := . $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
 PACKAGES := $(addprefix --editable ,$(DISTRIBUTIONS)) --group dev 'lerobot[dataset]' pip
 INSTALLED := $(VENV)/.installed
 
-# pip has read --group since 25.1.
-ifdef UV
-INSTALL = $(UV) pip install --python $(VENV)/bin/python
-NEW_PIP = true
-else
-INSTALL = $(VENV)/bin/python -m pip install
-NEW_PIP = $(INSTALL) --quiet 'pip>=25.1'
-endif
+# uv resolves and unpacks in a minute what takes pip ten. It need not be there: it comes first.
+INSTALL = $(VENV)/bin/uv pip install --python $(VENV)/bin/python
 
 .PHONY: install quick format lint type test test-slow build check clean
 
@@ -32,7 +24,7 @@ $(INSTALLED): constraints.txt $(addsuffix /pyproject.toml,$(DISTRIBUTIONS)) | $(
 	&& apt-get install -y -qq --no-install-recommends gcc libc6-dev >/dev/null; } || { echo "prime: \
 	evdev is built here and needs a C compiler and Linux's headers. Debian: apt-get install gcc \
 	libc6-dev" >&2; exit 1; }
-	$(NEW_PIP)
+	$(VENV)/bin/python -m pip install --quiet --constraint constraints.txt uv
 	$(INSTALL) --constraint constraints.txt $(PACKAGES)
 	@# Two distributions write the folder cv2. The last one stays: the one without a screen.
 	$(INSTALL) --quiet --no-deps --force-reinstall --constraint constraints.txt opencv-python-headless
@@ -42,15 +34,11 @@ $(VENV)/bin/python:
 	@$(or $(PYTHON),false) -c 'import sys; sys.exit(sys.version_info < (3, 12))' || { echo "prime \
 	needs Python 3.12 or later, here is $$($(or $(PYTHON),python3) --version 2>&1 | head -n 1). Install one ('pyenv install 3.12' does), or say where it is: \
 	make PYTHON=/path/to/python3.12" >&2; exit 1; }
-ifdef UV
-	$(UV) venv --quiet --python "$$($(PYTHON) -c 'import sys; print(sys.executable)')" $(VENV)
-else
 	@# Debian keeps ensurepip in a package of its own; a pip that is there does as well.
 	$(PYTHON) -m venv $(VENV) 2>/dev/null || { $(PYTHON) -m venv --clear --without-pip $(VENV) \
 	&& $(PYTHON) -m pip --python $(VENV)/bin/python install --quiet pip; } || { rm -rf $(VENV); \
 	echo "prime: $(PYTHON) has neither ensurepip nor pip. Debian: apt-get install \
 	$(notdir $(PYTHON))-venv" >&2; exit 1; }
-endif
 
 quick: install
 	$(VENV)/bin/prime run experiments/lift_quick.yaml

@@ -48,16 +48,14 @@ class Collection(Stage):
                 episode, counted = collect_episode(
                     world.environment, world.primitives, space, config, generator
                 )
-                episodes.append(
-                    {part.name: getattr(episode, part.name) for part in fields(episode)}
-                )
+                episodes.append(_kept(episode))
                 draws.counts += counted.counts
-            yield {"episodes": episodes, "draws": draws.counts}
+            yield {"episodes": episodes, "draws": draws.counts, "width": space.width}
 
     def load(self) -> list[CollectedEpisode]:
         """Return all episodes."""
         return [
-            CollectedEpisode(**{name: np.array(values) for name, values in episode.items()})
+            _restored(episode, shard["width"])
             for shard in self.results()
             for episode in shard["episodes"]
         ]
@@ -71,7 +69,7 @@ class Collection(Stage):
         shards = self.results()
         counts = np.sum([shard["draws"] for shard in shards], axis=0)
         transitions = sum(len(ep["state"]) - 1 for shard in shards for ep in shard["episodes"])
-        rollouts = np.concatenate([ep["rollouts"] for shard in shards for ep in shard["episodes"]])
+        rollouts = np.concatenate([episode.rollouts for episode in self.load()])
         draws: dict[str, Any] = {}
         for index, name in enumerate(names):
             rows = {"uniform": counts[index, 0], "prior": counts[index, 1]}
@@ -91,3 +89,21 @@ class Collection(Stage):
             },
             "draws": draws,
         }
+
+
+def _kept(episode: CollectedEpisode) -> dict[str, np.ndarray[Any, Any]]:
+    """Return an episode's arrays but for empty ones, which exca cannot keep."""
+    arrays = {part.name: getattr(episode, part.name) for part in fields(episode)}
+    return {name: values for name, values in arrays.items() if values.size}
+
+
+def _restored(arrays: dict[str, Any], width: int) -> CollectedEpisode:
+    """Return an episode from the arrays that were kept of it."""
+    empty = {
+        "rollouts": np.empty((0, 3), dtype=np.int64),
+        "parameters": np.empty((0, width)),
+        "from_prior": np.empty(0, dtype=np.bool_),
+        "others": np.empty((0, 2), dtype=np.int64),
+    }
+    kept = {name: np.array(values) for name, values in arrays.items()}
+    return CollectedEpisode(**{**empty, **kept})

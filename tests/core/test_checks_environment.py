@@ -72,7 +72,7 @@ class SeedsAfresh(PointMass):
 
 
 class ForgetsVelocity(PointMass):
-    velocity = np.zeros(3)
+    velocity: Floats = np.zeros(3)
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         self.velocity = 0.5 * self.velocity + 0.1 * action[:3]

@@ -97,7 +97,8 @@ class LooksAtAll(Linear):
 class EncodesTogether(Linear):
     def encode(self, frames: Frames) -> NDArray[np.float32]:
         features = super().encode(frames)
-        return features - features.mean(axis=0)
+        features -= features.mean(axis=0)
+        return features
 
 
 class EncodesDoubles(Linear):

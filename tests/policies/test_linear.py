@@ -53,3 +53,24 @@ def test_one_row_is_enough() -> None:
     inputs, _ = draws(1)
     fit = fit_linear(inputs, torch.tensor([[0.3]], dtype=torch.float64), UNITS)
     assert float(inputs[0] @ fit.weight[0] + fit.bias[0]) == pytest.approx(0.3)
+
+
+def test_an_earlier_line_is_kept_where_it_fits() -> None:
+    inputs, generator = draws(2000)
+    many = 2.0 * inputs[:, :1] + 0.7 * inputs[:, 1:2] - 0.4 * inputs[:, 2:3]
+    noise = 1e-2 * torch.randn(2000, 1, generator=generator, dtype=torch.float64)
+    earlier = fit_linear(inputs, many + noise, UNITS)
+    few, _ = draws(8, seed=1)
+    outputs = few @ earlier.weight.T + earlier.bias + 0.05
+    later = fit_linear(few, outputs, UNITS, earlier)
+    torch.testing.assert_close(later.weight, earlier.weight)
+    torch.testing.assert_close(later.bias, earlier.bias + 0.05)
+    assert torch.equal(later.spread, earlier.spread)
+
+
+def test_an_earlier_line_is_left_where_it_does_not_fit() -> None:
+    inputs, _ = draws(200)
+    earlier = fit_linear(inputs, inputs[:, :1], UNITS)
+    outputs = torch.full((200, 1), 0.3, dtype=torch.float64)
+    later = fit_linear(inputs, outputs, UNITS, earlier)
+    torch.testing.assert_close(inputs @ later.weight.T + later.bias, outputs)

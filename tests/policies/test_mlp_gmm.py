@@ -143,29 +143,33 @@ def test_what_is_loaded_answers_to_the_same_bits(
     assert same(answers(CONFIG.load(folder, DESCRIPTION, SPACE), unseen), answers(idm, unseen))
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory, few: PairData) -> list[np.ndarray]:
+    """Return the answers of a brief training that was never killed."""
+    return answers(fit(few, tmp_path_factory.mktemp("whole")), few)
+
+
 @pytest.mark.parametrize("epoch", [1, 2, 3, 4])
 def test_a_killed_training_goes_on_to_the_same_bits(
-    tmp_path: Path, few: PairData, epoch: int
+    tmp_path: Path, few: PairData, whole: list[np.ndarray], epoch: int
 ) -> None:
     with pytest.raises(KilledError):
         fit(few, tmp_path / "killed", kill_at=epoch)
     with pytest.raises(PrimeError, match=r"model\.yaml is missing"):
         BRIEF.load(tmp_path / "killed", DESCRIPTION, SPACE)
-    resumed, whole = fit(few, tmp_path / "killed"), fit(few, tmp_path / "whole")
-    assert same(answers(resumed, few), answers(whole, few))
+    assert same(answers(fit(few, tmp_path / "killed"), few), whole)
 
 
-def test_the_seed_decides(tmp_path: Path, few: PairData) -> None:
-    first, second = fit(few, tmp_path / "a"), fit(few, tmp_path / "b")
-    assert same(answers(first, few), answers(second, few))
-    assert not same(answers(first, few), answers(fit(few, tmp_path / "c", seed=1), few))
+def test_the_seed_decides(tmp_path: Path, few: PairData, whole: list[np.ndarray]) -> None:
+    assert same(answers(fit(few, tmp_path / "again"), few), whole)
+    assert not same(answers(fit(few, tmp_path / "other", seed=1), few), whole)
 
 
 def test_a_finished_training_of_other_data_is_not_overwritten(
     tmp_path: Path, few: PairData
 ) -> None:
     fit(few, tmp_path)
-    with pytest.raises(PrimeError, match="other settings, seed or data. Remove"):
+    with pytest.raises(PrimeError, match="other settings, seed or data"):
         fit(pair_data(rollouts(seed=5, episodes=4)), tmp_path)
 
 

@@ -157,15 +157,21 @@ def test_a_checkpoint_is_kept_after_each_epoch(checkpoints: list[Path]) -> None:
     assert len(checkpoints) == CONFIG.count_checkpoints()
 
 
+@pytest.fixture(scope="module")
+def whole(
+    tmp_path_factory: pytest.TempPathFactory, explored: PolicyData, shown: PolicyData
+) -> list[bytes]:
+    """Return the checkpoints of a brief training that was never killed."""
+    return contents(fit(tmp_path_factory.mktemp("whole"), explored, shown))
+
+
 @pytest.mark.parametrize("epoch", [1, 2, 3, 5, 7, 8])
 def test_a_killed_training_goes_on_to_the_same_bits(
-    tmp_path: Path, explored: PolicyData, shown: PolicyData, epoch: int
+    tmp_path: Path, explored: PolicyData, shown: PolicyData, whole: list[bytes], epoch: int
 ) -> None:
     with pytest.raises(KilledError):
         fit(tmp_path / "killed", explored, shown, kill_at=epoch)
-    resumed = fit(tmp_path / "killed", explored, shown)
-    whole = fit(tmp_path / "whole", explored, shown)
-    assert contents(resumed) == contents(whole)
+    assert contents(fit(tmp_path / "killed", explored, shown)) == whole
 
 
 def test_a_checkpoint_is_complete_only_with_both_networks(
@@ -179,18 +185,18 @@ def test_a_checkpoint_is_complete_only_with_both_networks(
         BRIEF.load(tmp_path / "checkpoint_02", DESCRIPTION, SPACE)
 
 
-def test_the_seed_decides(tmp_path: Path, explored: PolicyData, shown: PolicyData) -> None:
-    first, second = (contents(fit(tmp_path / name, explored, shown)) for name in "ab")
-    assert first == second
-    assert first != contents(fit(tmp_path / "c", explored, shown, seed=1))
+def test_the_seed_decides(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData, whole: list[bytes]
+) -> None:
+    assert contents(fit(tmp_path / "again", explored, shown)) == whole
+    assert contents(fit(tmp_path / "other", explored, shown, seed=1)) != whole
 
 
 def test_rollouts_may_be_mixed_into_fine_tuning(
-    tmp_path: Path, explored: PolicyData, shown: PolicyData
+    tmp_path: Path, explored: PolicyData, shown: PolicyData, whole: list[bytes]
 ) -> None:
     mixed = BRIEF.model_copy(update={"rollout_share": 0.25})
-    found = fit(tmp_path / "mixed", explored, shown, config=mixed)
-    assert contents(found) != contents(fit(tmp_path / "pure", explored, shown))
+    assert contents(fit(tmp_path, explored, shown, config=mixed)) != whole
 
 
 def test_it_trains_without_rollouts(tmp_path: Path, shown: PolicyData) -> None:

@@ -7,9 +7,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from prime_policies.building import classifier_source
+from prime_policies.examples import Source, classifier_source
 from prime_policies.networks import Classifier, Trunk
-from prime_policies.training import Schedule, Source, Training
+from prime_policies.training import Schedule, Training
 from prime_policies.weights import WeightsError
 
 SCHEDULE = Schedule(epochs=4, steps_per_epoch=20, learning_rate=2e-2, weight_decay=1e-3)

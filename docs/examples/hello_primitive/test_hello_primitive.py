@@ -1,9 +1,9 @@
 """The primitive keeps its contract."""
 
 from hello_primitive import LiftConfig
-from prime_envs_robosuite import LiftConfig as LiftTask
 
 from prime_core.checks import check_primitive
+from prime_envs_robosuite.config import LiftConfig as LiftTask
 
 
 def test_lift_keeps_the_contract() -> None:

@@ -39,7 +39,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     speed: Range = (0.14, 0.24)
     """Mean speed of long movements [m/s]."""
 
-    pause: Range = (0.35, 0.9)
+    pause: Range = (0.3, 0.8)
     """Mean length of pauses [s]."""
 
     bow: Range = (0.03, 0.15)
@@ -60,7 +60,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     hover: Range = (0.06, 0.12)
     """Height above a grasp at which the approach ends [m]."""
 
-    miss_share: float = Field(0.15, ge=0, le=1)
+    miss_share: float = Field(0.2, ge=0, le=1)
     """Share of demonstrations whose first grasp closes too early and misses."""
 
     other_yaw_share: float = Field(0.25, ge=0, le=1)

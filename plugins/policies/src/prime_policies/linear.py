@@ -33,7 +33,9 @@ class LinearFit:
     spread: Tensor
 
 
-def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
+def fit_linear(
+    inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None = None
+) -> LinearFit:
     """Fit outputs as a linear function of inputs.
 
     Each output is first taken as one input plus a constant (or the constant alone), whichever
@@ -48,12 +50,14 @@ def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
         outputs: ``(n, outputs)``.
         units: How much an output changes where an input that is copied changes by one,
             ``(outputs,)``.
+        start: An earlier fit to other data, whose outputs may be copied too. Where they are, and
+            need no correction but a constant, its spread is kept.
     """
     with one_thread():
-        return _fit(_thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS), units)
+        return _fit(_thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS), units, start)
 
 
-def _fit(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
+def _fit(inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None) -> LinearFit:
     centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
     scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
     design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
@@ -61,14 +65,18 @@ def _fit(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
     weight, bias = inputs.new_zeros(count, inputs.shape[1]), inputs.new_zeros(count)
     spread = inputs.new_zeros(count)
     for row in range(count):
-        copied = _best_copy(inputs * units[row], outputs[:, row])
-        if copied is not None:
-            weight[row, copied] = units[row]
+        copies = units[row] * torch.eye(inputs.shape[1], dtype=inputs.dtype)
+        if start is not None:
+            copies = torch.cat((copies, start.weight[row : row + 1]))
+        weight[row], copied = _best_copy(inputs, outputs[:, row], copies)
         rest = outputs[:, row] - inputs @ weight[row]
-        solution = _huber_ridge(design, rest, _best_ridge(design, rest))
-        spread[row] = _deviation(rest - design @ solution)
+        ridge = _best_ridge(design, rest)
+        solution = _huber_ridge(design, rest, ridge)
         weight[row] += solution[:-1] / scale
         bias[row] = solution[-1] - (solution[:-1] / scale) @ centre
+        spread[row] = _deviation(rest - design @ solution)
+        if start is not None and copied == inputs.shape[1] and ridge == inf:
+            spread[row] = start.spread[row]
     return LinearFit(weight, bias, spread)
 
 
@@ -76,13 +84,21 @@ def _thin(rows: Tensor, maximum: int) -> Tensor:
     return rows[:: max(1, -(-len(rows) // maximum))]
 
 
-def _best_copy(candidates: Tensor, output: Tensor) -> int | None:
-    """Return the column that an output is nearest to, up to a constant; None for no column."""
-    differences = output[:, None] - candidates
+def _best_copy(inputs: Tensor, output: Tensor, copies: Tensor) -> tuple[Tensor, int]:
+    """Return the weights that an output is nearest to, up to a constant, and which they are.
+
+    Args:
+        inputs: ``(n, inputs)``.
+        output: ``(n,)``.
+        copies: Weights to choose from, ``(copies, inputs)``. Where none is nearer than the
+            constant alone, all weights are zero, and which they are is -1.
+    """
+    copies = torch.cat((copies, copies.new_zeros(1, copies.shape[1])))
+    differences = output[:, None] - inputs @ copies.T
     errors = (differences - differences.median(dim=0).values).abs().median(dim=0).values
-    best = int(errors.argmin())
-    constant = (output - output.median()).abs().median()
-    return best if errors[best] < constant else None
+    # Of equals, the constant.
+    best = int(errors.argmin()) if errors.min() < errors[-1] else -1
+    return copies[best].clone(), best
 
 
 def _best_ridge(design: Tensor, output: Tensor) -> float:

@@ -10,12 +10,12 @@ from prime_core.features import FeatureEncoder, gripper_yaw
 from prime_core.idm import PairData, PrimitiveSpace
 from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
-from prime_policies import building
+from prime_policies import building, examples, preparing
+from prime_policies.examples import Source
 from prime_policies.mlp_gmm import MlpGmmIdmConfig
 from prime_policies.mlp_gmm_model import MlpGmmIdm
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
-from prime_policies.training import Source
 from prime_policies.training_folder import TrainingFolder
 from prime_policies.weights import Card, check_card, load_weights, make_card, write_card
 
@@ -42,24 +42,24 @@ def fit_idm(
     features = torch.from_numpy(encoder.encode(data.frames))
     classifier, parameter_network = _build(config, encoder.width, space, seed)
 
-    source = building.classifier_source(
+    source = examples.classifier_source(
         features, data.type_pairs, data.type_labels, data.type_weights
     )
-    building.measure_inputs(classifier.trunk, source)
+    preparing.measure_inputs(classifier.trunk, source)
     schedule = building.schedule(config, config.classifier_epochs)
     trainings.train(CLASSIFIER, classifier, [(source, config.batch_size)], schedule)
 
-    source, left_out = building.split(_parameter_source(features, data, space))
-    building.measure_inputs(parameter_network.trunk, source)
-    building.fit_lines(parameter_network, source, space)
-    source = building.with_residuals(parameter_network, source)
-    left_out = building.with_residuals(parameter_network, left_out)
+    source, left_out = examples.split(_parameter_source(features, data, space))
+    preparing.measure_inputs(parameter_network.trunk, source)
+    preparing.fit_lines(parameter_network, source, space)
+    source = preparing.with_residuals(parameter_network, source)
+    left_out = preparing.with_residuals(parameter_network, left_out)
     trainings.train(
         PARAMETERS,
         parameter_network,
         [(source, config.batch_size)],
         building.schedule(config, config.parameter_epochs),
-        lambda epoch: building.measure_trust(parameter_network, left_out),
+        lambda epoch: preparing.measure_trust(parameter_network, left_out),
     )
     write_card(folder, card)
     return MlpGmmIdm(description, space, classifier, parameter_network)
@@ -94,7 +94,7 @@ def _parameter_source(features: torch.Tensor, data: PairData, space: PrimitiveSp
     # Angles are taken from where the gripper ends: that is where primitives bring it.
     yaws = gripper_yaw(data.frames)[data.parameter_pairs[:, 1]]
     targets = ParameterCodec(space).targets(data.parameters, data.parameter_labels, yaws)
-    return building.parameter_source(
+    return examples.parameter_source(
         features, data.parameter_pairs, data.parameter_labels, targets, data.parameter_weights
     )
 
@@ -108,4 +108,4 @@ def _identity(card: Card, seed: int, data: PairData) -> str:
     arrays += [data.type_pairs, data.type_labels, data.type_weights]
     arrays += [data.parameter_pairs, data.parameter_labels]
     arrays += [data.parameters, data.parameter_weights]
-    return building.fingerprint(card, seed, arrays)
+    return examples.fingerprint(card, seed, arrays)

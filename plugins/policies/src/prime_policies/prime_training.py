@@ -1,6 +1,7 @@
 """How the policy ``prime`` is trained and loaded."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,13 @@ from prime_core.idm import PrimitiveSpace
 from prime_core.policy import PolicyData
 from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
-from prime_policies import building
+from prime_policies import building, examples, preparing
+from prime_policies.examples import Source
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.prime import PrimePolicyConfig
 from prime_policies.prime_model import PrimePolicy
-from prime_policies.training import Schedule, Source
+from prime_policies.training import Schedule
 from prime_policies.training_folder import TrainingFolder
 from prime_policies.weights import (
     check_card,
@@ -45,11 +47,9 @@ def fit_policy(
     """Train the classifier, then the parameters; see `PolicyConfig.fit`."""
     folder.mkdir(parents=True, exist_ok=True)
     card = make_card(KIND, config.model_dump(mode="json"), description, space)
-    pretrained = config.pretrain and rollouts is not None
-    data = (
-        [rollouts, demonstrations] if config.pretrain and rollouts is not None else [demonstrations]
-    )
-    identity = building.fingerprint(card, seed, [array for part in data for array in _arrays(part)])
+    explored = [rollouts] if config.pretrain and rollouts is not None else []
+    data, pretrained = [*explored, demonstrations], bool(explored)
+    identity = examples.fingerprint(card, seed, [array for part in data for array in _arrays(part)])
     epochs = 2 * (config.finetuning_epochs + pretrained * config.pretraining_epochs)
     trainings = TrainingFolder(folder, identity, seed, progress, epochs)
     trainer = _PolicyTrainer(config, trainings, pretrained)
@@ -59,15 +59,21 @@ def fit_policy(
 
     pairs = list(zip(data, features, strict=True))
     sources = [_type_source(part, encoded) for part, encoded in pairs]
-    building.measure_inputs(classifier.trunk, _all_of(sources))
-    trainer.train(CLASSIFIER, classifier, sources, lambda checkpoint: None)
+    preparing.measure_inputs(classifier.trunk, _all_of(sources))
+    trainer.pretrain(CLASSIFIER, classifier, sources)
+    trainer.finetune(CLASSIFIER, classifier, sources, lambda checkpoint: None)
 
     sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
-    building.measure_inputs(parameter_network.trunk, _all_of(sources))
-    building.fit_lines(parameter_network, sources[0], space)
-    sources = [building.with_residuals(parameter_network, source) for source in sources]
+    preparing.measure_inputs(parameter_network.trunk, _all_of(sources))
+    preparing.fit_lines(parameter_network, sources[0], space)
+    trainer.pretrain(PARAMETERS, parameter_network, _residuals(parameter_network, sources))
+    if pretrained:
+        # What demonstrations do (place into this bin) may be a line far from that of rollouts.
+        preparing.fit_lines(parameter_network, sources[-1], space, start=True)
+    sources = _residuals(parameter_network, sources)
     # A checkpoint has a card once both its networks are there.
-    trainer.train(PARAMETERS, parameter_network, sources, lambda path: write_card(path, card))
+    complete = partial(write_card, card=card)
+    trainer.finetune(PARAMETERS, parameter_network, sources, complete)
     return trainer.checkpoints
 
 
@@ -100,14 +106,24 @@ class _PolicyTrainer:
         epochs = range(1, self._config.finetuning_epochs + 1)
         return [self._trainings.folder / f"checkpoint_{epoch:02d}" for epoch in epochs]
 
-    def train(
+    def pretrain(
+        self, name: str, network: Classifier | ParameterNetwork, sources: list[Source]
+    ) -> None:
+        """Train a network on the first source, if it is pretrained."""
+        config = self._config
+        if self._pretrained:
+            batches = [(sources[0], config.batch_size)]
+            schedule = building.schedule(config, config.pretraining_epochs)
+            self._trainings.train(f"{name}.pretrained", network, batches, schedule)
+
+    def finetune(
         self,
         name: str,
         network: Classifier | ParameterNetwork,
         sources: list[Source],
         complete: Callable[[Path], None],
     ) -> None:
-        """Pretrain a network on the first source, and fine-tune it on the last.
+        """Train a network on the last source, and keep a checkpoint after each epoch.
 
         Args:
             name: Of the network.
@@ -115,11 +131,6 @@ class _PolicyTrainer:
             sources: Rollouts, if it is pretrained, and demonstrations.
             complete: Called with each checkpoint once the network's weights are in it.
         """
-        config = self._config
-        if self._pretrained:
-            batches = [(sources[0], config.batch_size)]
-            schedule = building.schedule(config, config.pretraining_epochs)
-            self._trainings.train(f"{name}.pretrained", network, batches, schedule)
 
         def keep(epoch: int) -> None:
             checkpoint = self.checkpoints[epoch - 1]
@@ -157,7 +168,7 @@ def _build(
 
 
 def _type_source(data: PolicyData, features: torch.Tensor) -> Source:
-    return building.classifier_source(
+    return examples.classifier_source(
         features, data.type_frames, data.type_labels, data.type_weights
     )
 
@@ -165,9 +176,13 @@ def _type_source(data: PolicyData, features: torch.Tensor) -> Source:
 def _parameter_source(data: PolicyData, features: torch.Tensor, space: PrimitiveSpace) -> Source:
     yaws = gripper_yaw(data.frames)[data.parameter_frames]
     targets = ParameterCodec(space).targets(data.parameters, data.parameter_labels, yaws)
-    return building.parameter_source(
+    return examples.parameter_source(
         features, data.parameter_frames, data.parameter_labels, targets, data.parameter_weights
     )
+
+
+def _residuals(network: ParameterNetwork, sources: list[Source]) -> list[Source]:
+    return [preparing.with_residuals(network, source) for source in sources]
 
 
 def _all_of(sources: list[Source]) -> Source:

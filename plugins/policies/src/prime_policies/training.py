@@ -10,8 +10,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from prime_core.idm import Floats
 from prime_policies.adam import Adam
+from prime_policies.examples import Source
 from prime_policies.networks import Classifier, Examples, ParameterNetwork
 from prime_policies.threads import one_thread
 from prime_policies.weights import WeightsError, read_tensors, write_tensors
@@ -39,35 +39,6 @@ class Schedule:
         """Return the learning rate at a step, counted from 0."""
         done = step / (self.epochs * self.steps_per_epoch)
         return self.learning_rate * 0.5 * (1 + math.cos(math.pi * done))
-
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """Examples to draw from.
-
-    Attributes:
-        features: Of all frames, ``(N, features)``.
-        indices: The frames of each example, ``(n, frames seen at once)``.
-        labels: ``(n,)``.
-        targets: ``(n, D)``; ``(n, 0)`` where classes are learnt.
-        weights: How often each is drawn, up to a factor, ``(n,)``.
-    """
-
-    features: Tensor
-    indices: Tensor
-    labels: Tensor
-    targets: Tensor
-    weights: Floats
-
-    def draws(self, generator: np.random.Generator, count: int) -> Tensor:
-        """Draw examples with replacement, by weight, ``(count,)``."""
-        edges = np.cumsum(self.weights)
-        places = np.searchsorted(edges, generator.random(count) * edges[-1], side="right")
-        return torch.from_numpy(np.minimum(places, len(edges) - 1))
-
-    def batch(self, rows: Tensor) -> Examples:
-        """Return the examples of some rows."""
-        return Examples(self.features[self.indices[rows]], self.labels[rows], self.targets[rows])
 
 
 @dataclass(frozen=True)

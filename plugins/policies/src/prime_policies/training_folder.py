@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from prime_core.progress import Progress
+from prime_policies.examples import Source
 from prime_policies.networks import Classifier, ParameterNetwork
-from prime_policies.training import Schedule, Source, Training, check_identity
+from prime_policies.training import Schedule, Training, check_identity
 from prime_policies.weights import load_weights, read_tensors, write_tensors
 
 

@@ -22,19 +22,22 @@ from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down, yaw_of
 from prime_core.scene import RobotDescription
 from prime_primitives_scripted.clearance import Clearance
+from prime_primitives_scripted.elbow import Elbow
+from prime_primitives_scripted.goal import offset
 
 Array = NDArray[np.float64]
 
+SHOULDER, WRIST = 1, -2  # joints whose distance is the arm's length, in a serial arm
 SOLVER = "daqp"
 DAMPING = 1e-6
 INERTIA_COST = 1e-3  # [m^2/J]
-ORIENTATION_COST = 0.3  # [m/rad]: where limits bind, 1 mm of position counts like 3 mrad
+ORIENTATION_COST = 2.0  # [m/rad]; the arm keeps the hand upright, so position has to give way
 TRACKING_TIME = 0.17  # [s] in which a compliant arm follows a command, for velocity limits
 CLEARANCE = 0.002  # [m] to keep between hand and furniture
 NOTICE_DISTANCE = 0.05  # [m] from which furniture counts
-LIMIT_GAIN = 0.5  # share of the way to a joint's limit in a step: the arm overshoots commands
-FREE_ANGLE = 0.25  # [rad] that no joint turns by in one step
-SLACK = 0.1  # [rad] to keep from the margins at the end of a motion
+LIMIT_GAIN = 0.5  # share of the way to a limit in TRACKING_TIME: the arm has momentum
+FREE_ANGLE = 0.3  # [rad] from a limit, where a step may be made without solving
+SLACK = 0.02  # [rad] to keep from the margins at the end of a motion
 SOLVE_STEPS = 40
 IDLE_STEPS = 6  # without getting a tenth nearer, after which it is given up
 PRECISION = 1e-3  # [m]
@@ -58,6 +61,9 @@ class InverseKinematics:
         self._order = _joint_order(self._model, robot)
         self._site = self._model.site(robot.end_effector).id
         self._configuration = mink.Configuration(self._model)
+        self._elbow = self._find_elbow()
+        if self._elbow is not None:
+            self._model.jnt_range[:] = self._elbow.narrow(self._model.jnt_range)
         ranges = np.where(self._model.jnt_limited[:, None] > 0, self._model.jnt_range, [-1e3, 1e3])
         self._low = ranges[:, 0] + joint_margin
         self._high = ranges[:, 1] - joint_margin
@@ -87,23 +93,29 @@ class InverseKinematics:
         self._configuration.update(self._inside(joints))
         return self._gripper_goal()
 
-    def step(self, joints: Array, waypoint: Array) -> Array:
-        """Return the nearest pose to a waypoint that the arm can head for from its joints.
+    def step(self, joints: Array, move: Array) -> Array:
+        """Return the part of a move that the arm should make from its joints.
 
         Args:
             joints: Joint positions [rad], ``(J,)``.
-            waypoint: x, y, z [m] and yaw [rad], ``(4,)``; near the gripper, a few
-                centimetres at most.
+            move: x, y, z [m] and yaw [rad] of the gripper, ``(4,)``; a few centimetres.
 
         Returns:
-            x, y, z [m] and yaw [rad], ``(4,)``.
+            ``(4,)``.
         """
-        if self._is_free(joints):
-            return waypoint
+        data = self._configuration.data
+        data.qpos[self._order] = joints
+        mujoco.mj_kinematics(self._model, data)
+        here = self._gripper_goal()
+        if self._elbow is not None:
+            arm = data.xanchor[WRIST] - data.xanchor[SHOULDER]
+            move = self._elbow.braked(move, arm)
+        if self.room(joints) > FREE_ANGLE and not self._clearance.is_near(data):
+            return move
         self._configuration.update(self._inside(joints))
-        self._aim(waypoint)
+        self._aim(here + move)
         self._advance()
-        return self._gripper_goal()
+        return offset(self._gripper_goal(), here)
 
     def solve(self, joints: Array, goal: Array) -> Array | None:
         """Return joint positions that put the gripper at a goal, within all limits.
@@ -137,14 +149,18 @@ class InverseKinematics:
         low, high = self._low[self._order], self._high[self._order]
         return float(np.minimum(joints - low, high - joints).min())
 
-    def _is_free(self, joints: Array) -> bool:
-        """Whether no limit can bind in one step, so that there is nothing to solve."""
-        if self.room(joints) < FREE_ANGLE:
-            return False
-        data = self._configuration.data
-        data.qpos[self._order] = joints
-        mujoco.mj_kinematics(self._model, data)
-        return not self._clearance.is_near(data)
+    def _find_elbow(self) -> Elbow | None:
+        """Return the elbow of an arm whose joints all have limits."""
+        model, data = self._model, self._configuration.data
+        if model.njnt < SHOULDER + 1 - WRIST or not np.all(model.jnt_limited):
+            return None
+
+        def length(joints: Array) -> float:
+            data.qpos[:] = joints
+            mujoco.mj_kinematics(model, data)
+            return float(np.linalg.norm(data.xanchor[WRIST] - data.xanchor[SHOULDER]))
+
+        return Elbow.find(model.jnt_range, length)
 
     def _inside(self, joints: Array) -> Array:
         """Return model positions within the margins: from there, standing still is feasible."""

@@ -12,6 +12,7 @@ from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
 
+LETTING_GO = 4  # motor actions of opening after which the object is free
 OPENED = 0.004  # [m] that the gripper opens by at the least when it lets go
 
 
@@ -60,11 +61,12 @@ class Place(ScriptedPrimitive):
         mover = Mover(self._servo, CLOSE)
         scene = yield from self._approach(scene, goal, mover)
         if self._is_over(scene, parameters):
-            if scene.gripper_position[2] > goal[2] + self._config.position_tolerance:
-                # The object stands on something: pressing on would push it over.
-                goal = np.array([*goal[:2], scene.gripper_position[2], goal[3]])
             mover.gripper = OPEN
-            yield from hold(scene, goal, mover, self._opening_steps)
+            # What stands on something is let go of before the hand goes on down around it.
+            stand = np.array([*goal[:2], scene.gripper_position[2], goal[3]])
+            steps = min(LETTING_GO, self._opening_steps)
+            scene = yield from hold(scene, stand, mover, steps)
+            yield from hold(scene, goal, mover, self._opening_steps - steps)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether it let go above the place that it was called to, and holds nothing now.

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from prime_core.environment import ACTION_LIMIT
 from prime_core.scene import Scene, SceneDescription
-from prime_primitives_scripted.goal import equivalent_goals, gripper_goal, offset
+from prime_primitives_scripted.goal import equivalent_goals
 
 if TYPE_CHECKING:
     from prime_primitives_scripted.ik import InverseKinematics
@@ -71,9 +71,7 @@ class KinematicServo(Servo):
 
     def move(self, scene: Scene, wanted: Array) -> Array:
         """Return the nearest move that the arm's limits allow; see `Servo`."""
-        here = gripper_goal(scene)
-        pose = self._inverse_kinematics.step(scene.joint_positions, here + limited(wanted))
-        return limited(offset(pose, here))
+        return limited(self._inverse_kinematics.step(scene.joint_positions, limited(wanted)))
 
     def _solve(self, scene: Scene, parameters: Array) -> Array | None:
         best, widest = None, 0.0

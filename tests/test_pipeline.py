@@ -1,0 +1,204 @@
+"""The main job on a little data: what is done again after a change, a kill, another count of workers."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from prime_core.experiment import Experiment
+from prime_core.experiment_config import read_experiment
+from prime_core.lerobot_dataset import read_dataset
+
+ROOT = Path(__file__).parents[1]
+QUICK = ROOT / "experiments" / "lift_quick.yaml"
+TINY = [
+    "demonstrations.count=2",
+    "collection.episodes=4",
+    "collection.episodes_per_shard=1",
+    "collection.draws_per_episode=4",
+    "idm.classifier_epochs=1",
+    "idm.parameter_epochs=1",
+    "idm.steps_per_epoch=30",
+    "policies.prime.pretraining_epochs=1",
+    "policies.prime.finetuning_epochs=2",
+    "policies.prime.steps_per_epoch=20",
+    "policies.prime.finetuning_steps_per_epoch=20",
+    "evaluation.trials=1",
+    "evaluation.fresh_trials=1",
+    "evaluation.maximum_steps=40",
+]
+
+
+def prime(*arguments: str, out: Path, settings: list[str] = TINY) -> subprocess.CompletedProcess[str]:
+    """Run ``prime run`` on the tiny experiment."""
+    options = [part for setting in settings for part in ("--set", setting)]
+    command = [sys.executable, "-c", "from prime_core.cli import main; main()"]
+    return subprocess.run(
+        [*command, "run", str(QUICK), "--out", str(out), *options, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        timeout=900,
+    )
+
+
+def experiment(out: Path, *settings: str) -> Experiment:
+    config = read_experiment(QUICK, [*TINY, *settings])
+    return Experiment(config, out / config.name)
+
+
+def done(job: Experiment) -> dict[str, bool]:
+    return {name: not stage.missing() for name, stage in job.stages.items()}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder of runs with the tiny experiment, done by two workers."""
+    out = tmp_path_factory.mktemp("runs")
+    completed = prime(out=out)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    return out
+
+
+def results(out: Path) -> dict[str, Any]:
+    return dict(json.loads((out / "lift-quick" / "results.json").read_text()))
+
+
+def test_a_run_leaves_results_with_versions_seeds_and_timing(finished: Path) -> None:
+    found = results(finished)
+    assert {"collection", "idm", "parsing", "replay", "evaluation.prime"} <= set(found["results"])
+    assert found["versions"]["mujoco"]
+    assert found["seeds"]["policies"] == [1]
+    assert found["command"][:2] == ["prime", "run"] or "run" in found["command"]
+    for timing in found["timing"].values():
+        assert timing["process_seconds"] > 0
+        assert timing["peak_megabytes"] > 50
+    trials = json.loads((finished / "lift-quick" / "trials-prime.json").read_text())
+    assert [len(rows) for rows in trials["checkpoint"]["1"].values()] == [1, 1]
+    assert {"success", "steps", "calls"} <= set(trials["fresh"]["1"]["1"][0])
+
+
+def test_the_outputs_for_people_are_there(finished: Path) -> None:
+    folder = finished / "lift-quick"
+    dataset = read_dataset(folder / "dataset")
+    assert len(dataset.demonstrations) == 2
+    assert dataset.segments is not None
+    assert (folder / "timelines" / "all.png").stat().st_size > 1000
+    assert len(list((folder / "timelines").glob("0*.png"))) == 2
+
+
+def test_running_again_does_nothing(finished: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in finished.rglob("*.json")}
+    completed = prime(out=finished)
+    assert completed.returncode == 0, completed.stderr
+    assert " in " not in "".join(
+        line for line in completed.stdout.splitlines() if line.startswith("✓")
+    )
+    assert {path: path.stat().st_mtime_ns for path in finished.rglob("*.json")} == before
+
+
+def test_a_new_learning_rate_redoes_the_policy_and_what_depends_on_it_no_more(
+    finished: Path,
+) -> None:
+    assert all(
+        ok for name, ok in done(experiment(finished)).items() if not name.startswith("video")
+    )
+    changed = done(experiment(finished, "policies.prime.finetuning_learning_rate=1e-5"))
+    assert [name for name, ok in changed.items() if not ok] == [
+        "policy.prime",
+        "evaluation.prime",
+        "video.prime",
+    ]
+    changed = done(experiment(finished, "parser.alpha=1e-2"))
+    assert not changed["parsing"]
+    assert changed["idm"]
+    assert not any(done(experiment(finished, "seed=5")).values())
+    assert done(experiment(finished, "compute.workers=1")) == done(experiment(finished))
+
+
+def assert_same(first: Any, second: Any) -> None:
+    if isinstance(first, dict):
+        assert set(first) == set(second)
+        for key in set(first) - {"timing"}:
+            assert_same(first[key], second[key])
+    elif isinstance(first, list):
+        assert len(first) == len(second)
+        for one, other in zip(first, second, strict=True):
+            assert_same(one, other)
+    elif isinstance(first, np.ndarray):
+        np.testing.assert_array_equal(first, second)
+    else:
+        assert first == second
+
+
+@pytest.mark.slow
+def test_one_worker_makes_the_same_data_and_results_as_two(finished: Path, tmp_path: Path) -> None:
+    completed = prime(out=tmp_path, settings=[*TINY, "compute.workers=1"])
+    assert completed.returncode == 0, completed.stderr
+    first, second = experiment(finished), experiment(tmp_path)
+    for name in ("demonstrations", "collection", "parsing", "replay", "evaluation.prime"):
+        assert_same(first.stages[name].results(), second.stages[name].results())
+    assert results(finished)["results"] == results(tmp_path)["results"]
+
+
+@pytest.mark.slow
+def test_after_a_kill_the_run_goes_on_with_what_is_missing(tmp_path: Path) -> None:
+    settings = [*TINY, "collection.episodes=12"]
+    options = [part for setting in settings for part in ("--set", setting)]
+    command = [sys.executable, "-c", "from prime_core.cli import main; main()"]
+    job = Experiment(read_experiment(QUICK, settings), tmp_path / "lift-quick")
+    running = subprocess.Popen(
+        [*command, "run", str(QUICK), "--out", str(tmp_path), *options, "--until", "collection"],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    deadline = time.monotonic() + 300
+    while time.monotonic() < deadline and len(job.collection.missing()) > 9:
+        time.sleep(0.2)
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    kept = set(job.collection.items()) - set(job.collection.missing())
+    assert 3 <= len(kept) < 12
+    before = {item: list(job.collection.compute([item]))[0] for item in kept}
+    completed = prime("--until", "collection", out=tmp_path, settings=settings)
+    assert completed.returncode == 0, completed.stderr
+    assert not job.collection.missing()
+    after = {item: list(job.collection.compute([item]))[0] for item in kept}
+    for item in kept:  # the time it took tells that it was not done again
+        assert before[item]["timing"] == after[item]["timing"]
+
+
+def test_a_mistake_is_told_without_a_traceback(tmp_path: Path) -> None:
+    completed = prime(out=tmp_path, settings=["parser.alhpa=1"])
+    assert completed.returncode == 1
+    assert "unknown key 'alhpa': did you mean 'alpha'?" in completed.stderr
+    assert "Traceback" not in completed.stderr
+    completed = prime("--until", "idem", out=tmp_path)
+    assert "--until idem: there is no such stage. There are: demonstrations" in completed.stderr
+
+
+def test_demonstrations_from_elsewhere_are_parsed_with_a_run(finished: Path, tmp_path: Path) -> None:
+    source = tmp_path / "mine"
+    shutil.copytree(os.path.realpath(finished / "lift-quick" / "dataset"), source)
+    command = [sys.executable, "-c", "from prime_core.cli import main; main()", "parse"]
+    options = [str(source), "--run", str(finished / "lift-quick")]
+    completed = subprocess.run([*command, *options], capture_output=True, text=True, cwd=ROOT)
+    assert completed.returncode == 0, completed.stderr
+    parsed = read_dataset(tmp_path / "mine-parsed")
+    again = read_dataset(finished / "lift-quick" / "dataset")
+    assert parsed.segments is not None
+    assert again.segments is not None
+    for one, other in zip(parsed.segments, again.segments, strict=True):
+        assert [(s.start, s.end) for s in one] == [(s.start, s.end) for s in other]
+    refused = subprocess.run([*command, *options], capture_output=True, text=True, cwd=ROOT)
+    assert refused.returncode == 1
+    assert "is there already: choose another folder with --out" in refused.stderr
