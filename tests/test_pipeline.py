@@ -37,7 +37,9 @@ TINY = [
 ]
 
 
-def prime(*arguments: str, out: Path, settings: list[str] = TINY) -> subprocess.CompletedProcess[str]:
+def prime(
+    *arguments: str, out: Path, settings: list[str] = TINY
+) -> subprocess.CompletedProcess[str]:
     """Run ``prime run`` on the tiny experiment."""
     options = [part for setting in settings for part in ("--set", setting)]
     command = [sys.executable, "-c", "from prime_core.cli import main; main()"]
@@ -186,7 +188,9 @@ def test_a_mistake_is_told_without_a_traceback(tmp_path: Path) -> None:
     assert "--until idem: there is no such stage. There are: demonstrations" in completed.stderr
 
 
-def test_demonstrations_from_elsewhere_are_parsed_with_a_run(finished: Path, tmp_path: Path) -> None:
+def test_demonstrations_from_elsewhere_are_parsed_with_a_run(
+    finished: Path, tmp_path: Path
+) -> None:
     source = tmp_path / "mine"
     shutil.copytree(os.path.realpath(finished / "lift-quick" / "dataset"), source)
     command = [sys.executable, "-c", "from prime_core.cli import main; main()", "parse"]

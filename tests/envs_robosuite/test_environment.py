@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from prime_envs_robosuite import LiftConfig, PickPlaceConfig
-from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down
 from prime_core.scene import IMAGE_PREFIX
+from prime_envs_robosuite import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 
 @pytest.fixture(params=["lift", "milk"])

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from prime_envs_robosuite import PickPlaceConfig
-from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 from prime_core.errors import PrimeError
+from prime_envs_robosuite import PickPlaceConfig
+from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 State = NDArray[np.float64]
 
