@@ -1,4 +1,4 @@
-"""The main job on a little data: what is done again after a change, a kill, another count of workers."""
+"""The main job on a little data: what is done again after a change, a kill, with other workers."""
 
 import json
 import os
@@ -170,11 +170,11 @@ def test_after_a_kill_the_run_goes_on_with_what_is_missing(tmp_path: Path) -> No
     running.wait()
     kept = set(job.collection.items()) - set(job.collection.missing())
     assert 3 <= len(kept) < 12
-    before = {item: list(job.collection.compute([item]))[0] for item in kept}
+    before = {item: next(iter(job.collection.compute([item]))) for item in kept}
     completed = prime("--until", "collection", out=tmp_path, settings=settings)
     assert completed.returncode == 0, completed.stderr
     assert not job.collection.missing()
-    after = {item: list(job.collection.compute([item]))[0] for item in kept}
+    after = {item: next(iter(job.collection.compute([item]))) for item in kept}
     for item in kept:  # the time it took tells that it was not done again
         assert before[item]["timing"] == after[item]["timing"]
 

@@ -14,9 +14,7 @@ from prime_core.pair_data import (
 )
 from prime_core.primitive_calls import Parameter, ParameterSpace
 
-SPACE = PrimitiveSpace(
-    ("reach", "grasp"), (ParameterSpace((Parameter("x", "m", -1.0, 1.0),)),) * 2
-)
+SPACE = PrimitiveSpace(("reach", "grasp"), (ParameterSpace((Parameter("x", "m", -1.0, 1.0),)),) * 2)
 
 
 def episode(number: int, held: bool = False, frames: int = 60) -> CollectedEpisode:
@@ -82,7 +80,9 @@ def test_jitter_moves_ends_a_little_and_never_into_another_episode() -> None:
     assert (data.parameter_pairs[:exact] == table.rollouts[:, :2]).all()
     shift = data.parameter_pairs[exact:] - np.tile(table.rollouts[:, :2], (4, 1))
     assert np.abs(shift).max() == 10
-    assert (table.episode[data.parameter_pairs[:, 0]] == table.episode[data.parameter_pairs[:, 1]]).all()
+    assert (
+        table.episode[data.parameter_pairs[:, 0]] == table.episode[data.parameter_pairs[:, 1]]
+    ).all()
     assert (data.parameter_pairs[:, 1] > data.parameter_pairs[:, 0]).all()
 
 

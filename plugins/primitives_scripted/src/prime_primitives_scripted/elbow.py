@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-RESERVE = 0.44
+RESERVE = 0.5
 """How far the elbow stays from its dead centre [rad].
 
 Of 16 far reaches in PickPlace under robosuite's controller, followed by near ones, 15 locked

@@ -37,7 +37,7 @@ CLEARANCE = 0.002  # [m] to keep between hand and furniture
 NOTICE_DISTANCE = 0.05  # [m] from which furniture counts
 LIMIT_GAIN = 0.5  # share of the way to a limit in TRACKING_TIME: the arm has momentum
 FREE_ANGLE = 0.3  # [rad] from a limit, where a step may be made without solving
-SLACK = 0.02  # [rad] to keep from the margins at the end of a motion
+SLACK = 0.1  # [rad] to keep from the margins at the end of a motion
 SOLVE_STEPS = 40
 IDLE_STEPS = 6  # without getting a tenth nearer, after which it is given up
 PRECISION = 1e-3  # [m]
@@ -176,10 +176,19 @@ class InverseKinematics:
         limits = self._limits
         if self._clearance.is_near(self._configuration.data):
             limits = [*limits, self._collision_limit]
-        velocity = mink.solve_ik(
+        try:
+            velocity = self._velocity(limits)
+        except mink.NoSolutionFound:
+            # A hand that was pushed into furniture cannot get out of it within a step's joint
+            # velocities; heading for the goal without the collision limit leads away from it.
+            velocity = self._velocity(self._limits)
+        self._configuration.integrate_inplace(velocity, TRACKING_TIME)
+
+    def _velocity(self, limits: list[Any]) -> Array:
+        velocity: Array = mink.solve_ik(
             self._configuration, self._tasks, TRACKING_TIME, SOLVER, DAMPING, limits=limits
         )
-        self._configuration.integrate_inplace(velocity, TRACKING_TIME)
+        return velocity
 
     def _gripper_goal(self) -> Array:
         data = self._configuration.data
