@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_envs_robosuite import LiftConfig, PickPlaceConfig, RobosuiteConfig
+from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, RobosuiteConfig
 from prime_envs_robosuite.adapter import quiet_robosuite
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 

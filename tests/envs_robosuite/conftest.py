@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from prime_core.environment import ACTION_LIMIT
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_envs_robosuite import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 GAIN = 3.0  # the controller covers about a third of the commanded distance in a step

@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down
 from prime_core.scene import IMAGE_PREFIX
-from prime_envs_robosuite import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 
@@ -33,7 +33,7 @@ def test_importing_the_package_imports_no_heavy_library() -> None:
 
 
 def test_building_says_nothing() -> None:
-    code = "from prime_envs_robosuite import LiftConfig; LiftConfig(stepping='stock').build()"
+    code = "from prime_envs_robosuite.config import LiftConfig; LiftConfig(stepping='stock').build()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
 

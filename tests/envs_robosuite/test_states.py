@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from prime_core.errors import PrimeError
-from prime_envs_robosuite import PickPlaceConfig
+from prime_envs_robosuite.config import PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 State = NDArray[np.float64]

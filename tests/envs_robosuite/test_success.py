@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prime_envs_robosuite import PickPlaceConfig
+from prime_envs_robosuite.config import PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.pick_place import in_quarter
 
