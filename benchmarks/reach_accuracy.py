@@ -16,7 +16,7 @@ import numpy as np
 from prime_core.environment import Environment
 from prime_core.execution import run_primitive, settle
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
-from prime_primitives_scripted import ReachConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 STUCK = 0.01  # [m]
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, RobosuiteConfig
 from prime_envs_robosuite.adapter import quiet_robosuite
+from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, RobosuiteConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 Array = NDArray[np.float64]

@@ -5,13 +5,15 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pluggy
 
 from prime_core import hookspecs
 from prime_core.errors import PluginError
-from prime_core.registry import Registry
+
+if TYPE_CHECKING:
+    from prime_core.registry import Registry
 
 
 @dataclass(eq=False)
@@ -75,9 +77,10 @@ class Plugins:
             plugin.fail(problem)
 
     @cached_property
-    def registry(self) -> Registry:
+    def registry(self) -> "Registry":
         """What all plugins register."""
         from prime_core.kinds import KINDS
+        from prime_core.registry import Registry
 
         registry = Registry({name: kind.base for name, kind in KINDS.items()})
         for plugin in self.found:
@@ -102,7 +105,7 @@ class Plugins:
 
 
 def _register_type(
-    registry: Registry, kind: str, plugin: str, name: str, config_class: type[Any]
+    registry: "Registry", kind: str, plugin: str, name: str, config_class: type[Any]
 ) -> None:
     registry.register(kind, name, config_class, plugin)
 

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from prime_core.environment import ACTION_LIMIT
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.config import LiftConfig
 from prime_envs_robosuite.adapter import check_control_law
+from prime_envs_robosuite.config import LiftConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 State = NDArray[np.float64]

@@ -9,7 +9,9 @@ from prime_core.environment import Environment
 from prime_core.execution import Execution, run_primitive, settle
 from prime_core.primitive import Primitive
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
-from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
+from prime_primitives_scripted.grasp import GraspConfig
+from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 Primitives = dict[str, Primitive]
 RunFromPrior = Callable[[Primitive, np.random.Generator], tuple[np.ndarray, Execution]]

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from prime_core.scene import Scene
-from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
+from prime_primitives_scripted.grasp import GraspConfig
+from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 from .floating_gripper import DESCRIPTION, scene_at
 

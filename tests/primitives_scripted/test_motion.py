@@ -7,8 +7,10 @@ import pytest
 
 from prime_core.environment import ACTION_LIMIT
 from prime_core.scene import Scene
-from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
 from prime_primitives_scripted.goal import equivalent_goals
+from prime_primitives_scripted.grasp import GraspConfig
+from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 from .floating_gripper import DESCRIPTION, play, scene_at
 

@@ -6,7 +6,9 @@ import pytest
 from prime_core.checks import check_primitive
 from prime_core.environment import Environment
 from prime_core.primitive import Primitive
-from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
+from prime_primitives_scripted.grasp import GraspConfig
+from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 from .conftest import World
 

@@ -8,7 +8,9 @@ import pytest
 from prime_core.primitive import Primitive
 from prime_core.rotations import wrap_angle
 from prime_core.scene import Affordance, ObjectDescription, Scene
-from prime_primitives_scripted import GraspConfig, PlaceConfig, ReachConfig
+from prime_primitives_scripted.grasp import GraspConfig
+from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 from .floating_gripper import DESCRIPTION, scene_at
 
