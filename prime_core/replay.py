@@ -3,12 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from prime_core.environment import Environment
 from prime_core.errors import PrimeError
-from prime_core.execution import run_actions, run_primitive
+from prime_core.execution import hold_action, run_actions, run_primitive
 from prime_core.parsing import ParsedDemonstration
 from prime_core.primitive import Primitive
 from prime_core.primitive_calls import OTHER
+
+REST_STEPS = 20
+"""Motor actions at most that the gripper holds still for after the last primitive: a second."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ def replay_demonstration(
     environment.reset(seed=0)
     environment.set_state(states[0])
     by_name = {item.name: item for item in primitives}
-    steps, completed = 0, []
+    steps, completed, last = 0, [], None
     for segment in parsed.segments:
         if segment.call.primitive == OTHER:
             if not replay_other:
@@ -72,4 +77,9 @@ def replay_demonstration(
         steps += execution.steps
         if execution.solved:
             return Replay(True, steps, tuple(completed))
-    return Replay(environment.is_success(), steps, tuple(completed))
+        if execution.steps:
+            last = execution.actions[-1]
+    # An object that was let go of may still fall or rock.
+    hold = np.tile(hold_action(environment.scene(), last), (REST_STEPS, 1))
+    rest = run_actions(environment, hold, stop_when_solved=True)
+    return Replay(environment.is_success(), steps + rest.steps, tuple(completed))
