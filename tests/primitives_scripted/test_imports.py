@@ -7,6 +7,8 @@ from pathlib import Path
 
 import prime_primitives_scripted
 
+from .floating_gripper import DESCRIPTION
+
 PACKAGE = Path(prime_primitives_scripted.__file__).parent
 
 
@@ -42,7 +44,9 @@ def test_only_one_file_imports_mink_and_mujoco() -> None:
     assert importers == {"ik.py"}
 
 
-def test_all_names_resolve() -> None:
-    assert all(
-        hasattr(prime_primitives_scripted, name) for name in prime_primitives_scripted.__all__
-    )
+def test_what_is_registered() -> None:
+    registered: dict[str, type] = {}
+    prime_primitives_scripted.register_primitives(registered.__setitem__)
+    names = {"scripted/reach": "reach", "scripted/grasp": "grasp", "scripted/place": "place"}
+    built = {name: config().build(DESCRIPTION).name for name, config in registered.items()}
+    assert built == names

@@ -93,5 +93,5 @@ def measure_trust(network: ParameterNetwork, left_out: Source) -> None:
                 continue
             batch = left_out.batch(rows)
             means = best_means(network.residual_mixture(batch.frames, batch.labels))
-            errors = (batch.targets - TRUSTS[:, None, None] * means).abs().mean(dim=1)
+            errors = (batch.targets - TRUSTS[:, None, None] * means).abs().median(dim=1).values
             network.trust[primitive] = TRUSTS[errors.argmin(dim=0)]
