@@ -15,6 +15,7 @@ from prime_policies.parameter_codec import ParameterCodec
 SCALE_FLOOR = 1e-2  # [m], [rad] or 1: features that vary less are not blown up
 TAIL = 0.005  # share of values at either end that do not count for the scale
 MAXIMUM_ROWS = 100_000  # more do not make statistics better
+LEAST_GAIN = 0.2  # share of the line's error that a trusted perceptron must save
 ENOUGH_ROWS = 8  # left out, to say how far a perceptron is to be trusted
 TRUSTS = torch.linspace(0, 1, 9)
 BLOCK = 4096  # examples whose residuals are computed at a time, which bounds the memory
@@ -94,4 +95,7 @@ def measure_trust(network: ParameterNetwork, left_out: Source) -> None:
             batch = left_out.batch(rows)
             means = best_means(network.residual_mixture(batch.frames, batch.labels))
             errors = (batch.targets - TRUSTS[:, None, None] * means).abs().median(dim=1).values
-            network.trust[primitive] = TRUSTS[errors.argmin(dim=0)]
+            best, least = errors.argmin(dim=0), errors.min(dim=0).values
+            # A small gain on a few rows is chance.
+            gains = least < (1 - LEAST_GAIN) * errors[0]
+            network.trust[primitive] = torch.where(gains, TRUSTS[best], 0.0)
