@@ -12,7 +12,8 @@ PACKAGES := $(addprefix --editable ,$(DISTRIBUTIONS)) --group dev 'lerobot[datas
 INSTALLED := $(VENV)/.installed
 
 # uv resolves and unpacks in a minute what takes pip ten. It need not be there: it comes first.
-INSTALL = $(VENV)/bin/uv pip install --python $(VENV)/bin/python
+# It trusts the certificates that the system trusts, as pip is set up to.
+INSTALL = $(VENV)/bin/uv pip install --system-certs --python $(VENV)/bin/python
 
 .PHONY: install quick format lint type test test-slow build check clean
 
