@@ -34,7 +34,11 @@ class LinearFit:
 
 
 def fit_linear(
-    inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None = None
+    inputs: Tensor,
+    outputs: Tensor,
+    units: Tensor,
+    start: LinearFit | None = None,
+    outliers: bool = False,
 ) -> LinearFit:
     """Fit outputs as a linear function of inputs.
 
@@ -52,12 +56,17 @@ def fit_linear(
             ``(outputs,)``.
         start: An earlier fit to other data, whose outputs may be copied too. Where they are, and
             need no correction but a constant, its spread is kept.
+        outliers: Whether outputs follow from the inputs but for a few outliers.
     """
     with one_thread():
-        return _fit(_thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS), units, start)
+        return _fit(
+            _thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS), units, start, outliers
+        )
 
 
-def _fit(inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None) -> LinearFit:
+def _fit(
+    inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None, outliers: bool
+) -> LinearFit:
     centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
     scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
     design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
@@ -70,7 +79,7 @@ def _fit(inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None
             copies = torch.cat((copies, start.weight[row : row + 1]))
         weight[row], copied = _best_copy(inputs, outputs[:, row], copies)
         rest = outputs[:, row] - inputs @ weight[row]
-        ridge = _best_ridge(design, rest)
+        ridge = _best_ridge(design, rest, outliers)
         solution = _huber_ridge(design, rest, ridge)
         weight[row] += solution[:-1] / scale
         bias[row] = solution[-1] - (solution[:-1] / scale) @ centre
@@ -101,11 +110,11 @@ def _best_copy(inputs: Tensor, output: Tensor, copies: Tensor) -> tuple[Tensor, 
     return copies[best].clone(), best
 
 
-def _best_ridge(design: Tensor, output: Tensor) -> float:
-    """Return the ridge with the smallest median error on rows left out; infinite if none helps.
+def _best_ridge(design: Tensor, output: Tensor, outliers: bool) -> float:
+    """Return the ridge with the smallest error on rows left out; infinite if none helps.
 
-    The median, because a few primitives that ended far from where they were called to would
-    otherwise buy their own better fit with a worse one of all others.
+    With outliers that is the median error: a few primitives that ended far from where they were
+    called to would otherwise buy their own better fit with a worse one of all others.
 
     Rows are left out in blocks, because neighbours come from the same episode.
     """
@@ -117,7 +126,8 @@ def _best_ridge(design: Tensor, output: Tensor) -> float:
         kept, left = folds != fold, folds == fold
         for ridge in errors:
             solution = _huber_ridge(design[kept], output[kept], ridge)
-            errors[ridge] += float((output[left] - design[left] @ solution).abs().median())
+            rest = (output[left] - design[left] @ solution).abs()
+            errors[ridge] += float(rest.median() if outliers else rest.sum())
     return min(errors, key=lambda ridge: errors[ridge])
 
 

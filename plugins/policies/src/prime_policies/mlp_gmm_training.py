@@ -51,7 +51,7 @@ def fit_idm(
 
     source, left_out = examples.split(_parameter_source(features, data, space))
     preparing.measure_inputs(parameter_network.trunk, source)
-    preparing.fit_lines(parameter_network, source, space)
+    preparing.fit_lines(parameter_network, source, space, outliers=True)
     source = preparing.with_residuals(parameter_network, source)
     left_out = preparing.with_residuals(parameter_network, left_out)
     trainings.train(

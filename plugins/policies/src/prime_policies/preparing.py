@@ -38,7 +38,11 @@ def measure_inputs(trunk: Trunk, source: Source) -> None:
 
 
 def fit_lines(
-    network: ParameterNetwork, source: Source, space: PrimitiveSpace, start: bool = False
+    network: ParameterNetwork,
+    source: Source,
+    space: PrimitiveSpace,
+    start: bool = False,
+    outliers: bool = False,
 ) -> None:
     """Fit the lines of a parameter network, one for each primitive that has examples.
 
@@ -48,6 +52,7 @@ def fit_lines(
         space: The primitives.
         start: Whether the lines that it has, fitted to other examples, may be kept; see
             `fit_linear`.
+        outliers: Whether targets follow from the frames but for a few outliers.
     """
     units = torch.from_numpy(ParameterCodec(space).units)
     for primitive, parameters in enumerate(space.parameter_spaces):
@@ -62,6 +67,7 @@ def fit_lines(
             batch.targets[:, own[1]].double(),
             units[own],
             LinearFit(*(item.double() for item in lines)) if start else None,
+            outliers,
         )
         network.weight[own], network.bias[own] = fit.weight.float(), fit.bias.float()
         network.spread[own] = fit.spread.clamp_min(network.minimum_deviation).float()
