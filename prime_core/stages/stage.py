@@ -123,7 +123,15 @@ def _stop_without_parent() -> None:
     parent = os.environ.get(PARENT_VARIABLE)
     if parent is None or os.getpid() == int(parent):
         return
+    if not _is_running(int(parent)):
+        raise SystemExit(1)
+
+
+def _is_running(process: int) -> bool:
     try:
-        os.kill(int(parent), 0)
+        os.kill(process, 0)
     except ProcessLookupError:
-        raise SystemExit(1) from None
+        return False
+    # A killed process that nobody has asked after yet still has its number.
+    status = Path(f"/proc/{process}/stat")
+    return not status.exists() or status.read_text().rpartition(")")[2].split()[0] != "Z"
