@@ -35,7 +35,7 @@ class CollectionConfig(Config):
     """Parameter draws that are tried from one state until one succeeds."""
     undos: int = Field(0, ge=0)
     """States from which all attempts may fail before the episode is given up. With `attempts`,
-    fewer than the release's 10: after a failed grasp the object mostly lies where none can succeed."""
+    fewer than the release's 10: after a failed grasp the object mostly lies out of reach of one."""
     other_pairs: int = Field(60, ge=0)
     """Pairs of `other` drawn in each episode (paper: K)."""
     other_steps: tuple[int, int] = (5, 200)
