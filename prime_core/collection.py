@@ -83,7 +83,6 @@ class CollectedEpisode:
         actions: The action of the last frame is zero, ``(N, 5)`` float32.
         rollouts: Start frame, end frame and primitive of each that succeeded, ``(n, 3)``.
         parameters: Of each rollout, padded with zeros, ``(n, width)``.
-        from_prior: Whether each rollout's parameters came from the prior, ``(n,)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
     """
 
@@ -92,7 +91,6 @@ class CollectedEpisode:
     actions: NDArray[np.float32]
     rollouts: NDArray[np.int64]
     parameters: NDArray[np.float64]
-    from_prior: NDArray[np.bool_]
     others: NDArray[np.int64]
 
 
@@ -104,7 +102,6 @@ class _Recording:
         self.actions: list[Array] = []
         self.rollouts: list[tuple[int, int, int]] = []
         self.parameters: list[Array] = []
-        self.from_prior: list[bool] = []
 
     def extend(self, execution: Execution) -> None:
         self.scenes.extend(execution.scenes[1:])
@@ -128,7 +125,6 @@ class _Recording:
             actions=actions,
             rollouts=np.array(self.rollouts, dtype=np.int64).reshape(-1, 3),
             parameters=parameters,
-            from_prior=np.array(self.from_prior, dtype=np.bool_),
             others=others,
         )
 
@@ -208,7 +204,6 @@ def _try_primitive(
             recording.extend(execution)
             recording.rollouts.append((start, len(recording.scenes) - 1, index))
             recording.parameters.append(parameters)
-            recording.from_prior.append(from_prior)
             return True
         environment.set_state(state)
     return False

@@ -102,7 +102,6 @@ def _restored(arrays: dict[str, Any], width: int) -> CollectedEpisode:
     empty = {
         "rollouts": np.empty((0, 3), dtype=np.int64),
         "parameters": np.empty((0, width)),
-        "from_prior": np.empty(0, dtype=np.bool_),
         "others": np.empty((0, 2), dtype=np.int64),
     }
     kept = {name: np.array(values) for name, values in arrays.items()}

@@ -27,7 +27,6 @@ def episode(number: int, held: bool = False, frames: int = 60) -> CollectedEpiso
         actions=np.zeros((frames, 5), dtype=np.float32),
         rollouts=np.array([[0, 20, 0], [30, 55, 1]]),
         parameters=np.array([[0.1], [0.2]]) + number,
-        from_prior=np.array([True, False]),
         others=np.array([[1, 9]]),
     )
 

@@ -2,7 +2,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from prime_policies.linear import fit_linear
+from prime_policies.linear import fit_copy, fit_linear
 
 UNITS = torch.tensor([2.0], dtype=torch.float64)
 
@@ -55,22 +55,24 @@ def test_one_row_is_enough() -> None:
     assert float(inputs[0] @ fit.weight[0] + fit.bias[0]) == pytest.approx(0.3)
 
 
-def test_an_earlier_line_is_kept_where_it_fits() -> None:
-    inputs, generator = draws(2000)
-    many = 2.0 * inputs[:, :1] + 0.7 * inputs[:, 1:2] - 0.4 * inputs[:, 2:3]
-    noise = 1e-2 * torch.randn(2000, 1, generator=generator, dtype=torch.float64)
-    earlier = fit_linear(inputs, many + noise, UNITS)
-    few, _ = draws(8, seed=1)
-    outputs = few @ earlier.weight.T + earlier.bias + 0.05
-    later = fit_linear(few, outputs, UNITS, earlier)
-    torch.testing.assert_close(later.weight, earlier.weight)
-    torch.testing.assert_close(later.bias, earlier.bias + 0.05)
-    assert torch.equal(later.spread, earlier.spread)
+def test_what_is_chosen_freely_is_a_copy_and_no_more() -> None:
+    inputs, _ = draws(60, columns=20)
+    inputs[:, 7] *= 1e-3  # A coincidence in what hardly varies must not be taken for a rule.
+    outputs = 2.0 * inputs[:, 3:4] + 500.0 * inputs[:, 7:8] + 0.1
+    fit = fit_copy(inputs, outputs, UNITS)
+    expected = torch.zeros(20, dtype=torch.float64)
+    expected[3] = 2.0
+    torch.testing.assert_close(fit.weight[0], expected)
+    rest = outputs[:, 0] - 2.0 * inputs[:, 3]
+    assert float(fit.bias[0]) == pytest.approx(float(rest.median()))
+    assert float(fit.spread[0]) == pytest.approx(float((rest - rest.median()).std()), rel=0.05)
 
 
-def test_an_earlier_line_is_left_where_it_does_not_fit() -> None:
-    inputs, _ = draws(200)
-    earlier = fit_linear(inputs, inputs[:, :1], UNITS)
-    outputs = torch.full((200, 1), 0.3, dtype=torch.float64)
-    later = fit_linear(inputs, outputs, UNITS, earlier)
-    torch.testing.assert_close(inputs @ later.weight.T + later.bias, outputs)
+def test_a_copy_that_is_right_in_most_rows_and_far_off_in_the_others_is_not_taken() -> None:
+    inputs, generator = draws(100)
+    outputs = torch.full((100, 1), 0.3, dtype=torch.float64)
+    outputs += 0.1 * torch.rand(100, 1, generator=generator, dtype=torch.float64)
+    inputs[:60, 2] = outputs[:60, 0] / 2.0
+    inputs[60:, 2] += 5.0
+    assert float(fit_copy(inputs, outputs, UNITS).weight.abs().max()) == 0.0
+    assert 0.3 < float(fit_copy(inputs, outputs, UNITS).bias[0]) < 0.4

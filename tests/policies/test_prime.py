@@ -20,7 +20,7 @@ CONFIG = PrimePolicyConfig(
     steps_per_epoch=150,
     pretraining_epochs=2,
     finetuning_epochs=2,
-    finetuning_steps_per_epoch=150,
+    finetuning_steps_per_epoch=600,
 )
 BRIEF = PrimePolicyConfig(
     hidden_sizes=(8,),
@@ -130,6 +130,16 @@ def test_it_picks_only_what_can_start(policy: Policy) -> None:
     for index, name in enumerate(SPACE.names):
         assert act(policy, scene, np.arange(3) == index).primitive == name
     assert act(policy, scene, np.array([True, False, True])).primitive != "grasp"
+
+
+def test_it_is_not_stuck_with_one_primitive_where_it_is_unsure(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData
+) -> None:
+    checkpoints = BRIEF.fit(explored, shown, DESCRIPTION, SPACE, tmp_path, 0, no_progress)
+    unsure = BRIEF.load(checkpoints[-1], DESCRIPTION, SPACE)
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    picked = {unsure.act(scene, ALL, np.random.default_rng(seed)).primitive for seed in range(50)}
+    assert len(picked) > 1
 
 
 def test_its_parameters_are_within_their_bounds(policy: Policy) -> None:

@@ -1,5 +1,6 @@
 """Robust linear fits that start from a copy of a feature."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
@@ -25,7 +26,8 @@ class LinearFit:
     Attributes:
         weight: ``(outputs, inputs)``.
         bias: ``(outputs,)``.
-        spread: Standard deviation of the residuals, outliers left out, ``(outputs,)``.
+        spread: Standard deviation of the residuals, ``(outputs,)``; that of `fit_linear`
+            leaves outliers out.
     """
 
     weight: Tensor
@@ -33,14 +35,8 @@ class LinearFit:
     spread: Tensor
 
 
-def fit_linear(
-    inputs: Tensor,
-    outputs: Tensor,
-    units: Tensor,
-    start: LinearFit | None = None,
-    outliers: bool = False,
-) -> LinearFit:
-    """Fit outputs as a linear function of inputs.
+def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
+    """Fit outputs that follow from the inputs, but for a few outliers, by a line.
 
     Each output is first taken as one input plus a constant (or the constant alone), whichever
     has the smallest median error: a primitive's target is often the gripper's or an object's
@@ -54,69 +50,90 @@ def fit_linear(
         outputs: ``(n, outputs)``.
         units: How much an output changes where an input that is copied changes by one,
             ``(outputs,)``.
-        start: An earlier fit to other data, whose outputs may be copied too. Where they are, and
-            need no correction but a constant, its spread is kept.
-        outliers: Whether outputs follow from the inputs but for a few outliers.
     """
     with one_thread():
-        return _fit(
-            _thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS), units, start, outliers
-        )
+        inputs, outputs = _thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS)
+        centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
+        scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
+        design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
+        fit = _start(inputs, outputs)
+        for row, output in enumerate(outputs.T):
+            fit.weight[row] = _best_copy(inputs, output, units[row], _median)
+            rest = output - inputs @ fit.weight[row]
+            solution = _huber_ridge(design, rest, _best_ridge(design, rest))
+            fit.weight[row] += solution[:-1] / scale
+            fit.bias[row] = solution[-1] - (solution[:-1] / scale) @ centre
+            fit.spread[row] = _deviation(rest - design @ solution)
+        return fit
 
 
-def _fit(
-    inputs: Tensor, outputs: Tensor, units: Tensor, start: LinearFit | None, outliers: bool
-) -> LinearFit:
-    centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
-    scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
-    design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
+def fit_copy(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
+    """Fit outputs that are chosen, and do not follow from the inputs: a copy and no more.
+
+    Each output is taken as one input plus a constant, or as the constant alone, whichever has
+    the smallest mean error. The median would hide that a copy is far off in a part of the rows.
+    A regression on top finds coincidences among the few demonstrations, such as a tilt of the
+    object by a hundredth of a degree, and takes them far outside of what was demonstrated.
+
+    Arguments as in `fit_linear`.
+    """
+    with one_thread():
+        inputs, outputs = _thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS)
+        fit = _start(inputs, outputs)
+        for row, output in enumerate(outputs.T):
+            fit.weight[row] = _best_copy(inputs, output, units[row], _mean)
+            rest = output - inputs @ fit.weight[row]
+            fit.bias[row] = rest.median()
+            fit.spread[row] = (rest - fit.bias[row]).std(correction=0)
+        return fit
+
+
+def _start(inputs: Tensor, outputs: Tensor) -> LinearFit:
     count = outputs.shape[1]
-    weight, bias = inputs.new_zeros(count, inputs.shape[1]), inputs.new_zeros(count)
-    spread = inputs.new_zeros(count)
-    for row in range(count):
-        copies = units[row] * torch.eye(inputs.shape[1], dtype=inputs.dtype)
-        if start is not None:
-            copies = torch.cat((copies, start.weight[row : row + 1]))
-        weight[row], copied = _best_copy(inputs, outputs[:, row], copies)
-        rest = outputs[:, row] - inputs @ weight[row]
-        ridge = _best_ridge(design, rest, outliers)
-        solution = _huber_ridge(design, rest, ridge)
-        weight[row] += solution[:-1] / scale
-        bias[row] = solution[-1] - (solution[:-1] / scale) @ centre
-        spread[row] = _deviation(rest - design @ solution)
-        if start is not None and copied == inputs.shape[1] and ridge == inf:
-            spread[row] = start.spread[row]
-    return LinearFit(weight, bias, spread)
+    zeros = inputs.new_zeros(count)
+    return LinearFit(inputs.new_zeros(count, inputs.shape[1]), zeros, zeros.clone())
 
 
 def _thin(rows: Tensor, maximum: int) -> Tensor:
     return rows[:: max(1, -(-len(rows) // maximum))]
 
 
-def _best_copy(inputs: Tensor, output: Tensor, copies: Tensor) -> tuple[Tensor, int]:
-    """Return the weights that an output is nearest to, up to a constant, and which they are.
+def _best_copy(
+    inputs: Tensor, output: Tensor, unit: Tensor, average: Callable[[Tensor], Tensor]
+) -> Tensor:
+    """Return the weights ``(inputs,)`` of the input that an output is nearest to.
 
     Args:
         inputs: ``(n, inputs)``.
-        output: ``(n,)``.
-        copies: Weights to choose from, ``(copies, inputs)``. Where none is nearer than the
-            constant alone, all weights are zero, and which they are is -1.
+        output: ``(n,)``; may differ from the input by a constant.
+        unit: The weight of an input that is copied. All are zero where none is nearer than the
+            constant alone.
+        average: Of the absolute errors ``(n, inputs)`` in each column.
     """
-    copies = torch.cat((copies, copies.new_zeros(1, copies.shape[1])))
-    differences = output[:, None] - inputs @ copies.T
-    errors = (differences - differences.median(dim=0).values).abs().median(dim=0).values
-    # Of equals, the constant.
-    best = int(errors.argmin()) if errors.min() < errors[-1] else -1
-    return copies[best].clone(), best
+    differences = output[:, None] - unit * inputs
+    differences = torch.cat((differences, output[:, None]), dim=1)
+    errors = average((differences - differences.median(dim=0).values).abs())
+    best = int(errors.argmin())
+    weights = inputs.new_zeros(inputs.shape[1])
+    if errors[best] < errors[-1]:  # of equals, the constant
+        weights[best] = unit
+    return weights
 
 
-def _best_ridge(design: Tensor, output: Tensor, outliers: bool) -> float:
-    """Return the ridge with the smallest error on rows left out; infinite if none helps.
+def _median(errors: Tensor) -> Tensor:
+    return errors.median(dim=0).values
 
-    With outliers that is the median error: a few primitives that ended far from where they were
-    called to would otherwise buy their own better fit with a worse one of all others.
 
-    Rows are left out in blocks, because neighbours come from the same episode.
+def _mean(errors: Tensor) -> Tensor:
+    return errors.mean(dim=0)
+
+
+def _best_ridge(design: Tensor, output: Tensor) -> float:
+    """Return the ridge with the smallest median error on rows left out; infinite if none helps.
+
+    By the mean, a few primitives that ended far from where they were called to would buy their
+    own better fit with a worse one of all others. Rows are left out in blocks, because
+    neighbours come from the same episode.
     """
     design, output = _thin(design, MAXIMUM_FOLD_ROWS), _thin(output, MAXIMUM_FOLD_ROWS)
     count = len(output)
@@ -126,8 +143,7 @@ def _best_ridge(design: Tensor, output: Tensor, outliers: bool) -> float:
         kept, left = folds != fold, folds == fold
         for ridge in errors:
             solution = _huber_ridge(design[kept], output[kept], ridge)
-            rest = (output[left] - design[left] @ solution).abs()
-            errors[ridge] += float(rest.median() if outliers else rest.sum())
+            errors[ridge] += float((output[left] - design[left] @ solution).abs().median())
     return min(errors, key=lambda ridge: errors[ridge])
 
 

@@ -12,6 +12,7 @@ from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
 from prime_policies.examples import Source
+from prime_policies.linear import fit_linear
 from prime_policies.mlp_gmm import MlpGmmIdmConfig
 from prime_policies.mlp_gmm_model import MlpGmmIdm
 from prime_policies.networks import Classifier, ParameterNetwork
@@ -51,7 +52,7 @@ def fit_idm(
 
     source, left_out = examples.split(_parameter_source(features, data, space))
     preparing.measure_inputs(parameter_network.trunk, source)
-    preparing.fit_lines(parameter_network, source, space, outliers=True)
+    preparing.fit_lines(parameter_network, source, space, fit_linear)
     source = preparing.with_residuals(parameter_network, source)
     left_out = preparing.with_residuals(parameter_network, left_out)
     trainings.train(

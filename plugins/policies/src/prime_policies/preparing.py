@@ -1,13 +1,15 @@
 """What is computed from examples before and after a network trains on them."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import torch
+from torch import Tensor
 
 from prime_core.idm import PrimitiveSpace
 from prime_policies.examples import Source
-from prime_policies.linear import LinearFit, fit_linear
+from prime_policies.linear import LinearFit
 from prime_policies.mixture import best_means
 from prime_policies.networks import ParameterNetwork, Trunk
 from prime_policies.parameter_codec import ParameterCodec
@@ -41,8 +43,7 @@ def fit_lines(
     network: ParameterNetwork,
     source: Source,
     space: PrimitiveSpace,
-    start: bool = False,
-    outliers: bool = False,
+    fit: Callable[[Tensor, Tensor, Tensor], LinearFit],
 ) -> None:
     """Fit the lines of a parameter network, one for each primitive that has examples.
 
@@ -50,9 +51,7 @@ def fit_lines(
         network: Its lines are set.
         source: Examples with targets.
         space: The primitives.
-        start: Whether the lines that it has, fitted to other examples, may be kept; see
-            `fit_linear`.
-        outliers: Whether targets follow from the frames but for a few outliers.
+        fit: `fit_linear` or `fit_copy`.
     """
     units = torch.from_numpy(ParameterCodec(space).units)
     for primitive, parameters in enumerate(space.parameter_spaces):
@@ -60,17 +59,11 @@ def fit_lines(
         if not len(rows):
             continue
         own = (primitive, slice(len(parameters)))
-        lines = (network.weight[own], network.bias[own], network.spread[own])
         batch = source.batch(rows)
-        fit = fit_linear(
-            batch.frames.flatten(1).double(),
-            batch.targets[:, own[1]].double(),
-            units[own],
-            LinearFit(*(item.double() for item in lines)) if start else None,
-            outliers,
-        )
-        network.weight[own], network.bias[own] = fit.weight.float(), fit.bias.float()
-        network.spread[own] = fit.spread.clamp_min(network.minimum_deviation).float()
+        inputs, outputs = batch.frames.flatten(1).double(), batch.targets[:, own[1]].double()
+        line = fit(inputs, outputs, units[own])
+        network.weight[own], network.bias[own] = line.weight.float(), line.bias.float()
+        network.spread[own] = line.spread.clamp_min(network.minimum_deviation).float()
 
 
 def with_residuals(network: ParameterNetwork, source: Source) -> Source:

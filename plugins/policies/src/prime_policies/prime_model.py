@@ -42,16 +42,18 @@ class PrimePolicy(Policy):
     def act(
         self, scene: Scene, startable: NDArray[np.bool_], generator: np.random.Generator
     ) -> PrimitiveCall:
-        """Return the most likely primitive that can start, with its most likely parameters.
+        """Draw a primitive that can start, with its most likely parameters.
 
-        Nothing is drawn: the same scene gives the same call.
+        The primitive is drawn from p(p | s), because the most likely one would be chosen again
+        for ever where it changes nothing.
         """
         observation = scene.observation()
         frame = Frames(observation[STATE_KEY][None], observation[ENVIRONMENT_STATE_KEY][None])
         features = torch.from_numpy(self._encoder.encode(frame))[None]
         with one_thread():
-            scores = self._classifier(features)[0].numpy()
-            label = np.array([np.argmax(np.where(startable, scores, -np.inf))])
+            scores = np.where(startable, self._classifier(features)[0].double().numpy(), -np.inf)
+            chances = np.exp(scores - scores.max())
+            label = generator.choice(len(chances), size=1, p=chances / chances.sum())
             mixture = self._parameter_network(features, torch.from_numpy(label))
             targets = best_means(mixture).numpy().astype(np.float64)
         parameters = self._codec.parameters(targets, label, gripper_yaw(frame))[0]

@@ -15,6 +15,7 @@ from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
 from prime_policies.examples import Source
+from prime_policies.linear import fit_copy
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.prime import PrimePolicyConfig
@@ -65,12 +66,9 @@ def fit_policy(
 
     sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
     preparing.measure_inputs(parameter_network.trunk, _all_of(sources))
-    preparing.fit_lines(parameter_network, sources[0], space)
-    trainer.pretrain(PARAMETERS, parameter_network, _residuals(parameter_network, sources))
-    if pretrained:
-        # What demonstrations do (place into this bin) may be a line far from that of rollouts.
-        preparing.fit_lines(parameter_network, sources[-1], space, start=True)
+    preparing.fit_lines(parameter_network, sources[0], space, fit_copy)
     sources = _residuals(parameter_network, sources)
+    trainer.pretrain(PARAMETERS, parameter_network, sources)
     # A checkpoint has a card once both its networks are there.
     complete = partial(write_card, card=card)
     trainer.finetune(PARAMETERS, parameter_network, sources, complete)
