@@ -1,0 +1,139 @@
+"""Push: shove an object over the table with the closed gripper."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydantic import PositiveFloat, PositiveInt
+
+from prime_core.primitive import Motion
+from prime_core.primitive_calls import Parameter, ParameterSpace
+from prime_core.scene import Affordance, Scene, SceneDescription
+from prime_primitives_scripted import prior
+from prime_primitives_scripted.goal import distance
+from prime_primitives_scripted.mover import CLOSE, Mover
+from prime_primitives_scripted.phases import at_most, settle
+from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+
+GREATEST_DISPLACEMENT = (0.4, 0.4, 0.01)  # [m] (paper's release)
+
+
+class PushConfig(ScriptedConfig):
+    """Settings of the primitive push."""
+
+    position_std: tuple[float, float, float] = (0.02, 0.02, 0.005)
+    """Standard deviations of the prior of where a push starts in x, y, z [m].
+
+    Affordances say beside which faces of an object a push starts; the release draws 0.1 m about
+    the object's centre instead."""
+    direction_std: PositiveFloat = 0.3
+    """Standard deviation of a push's direction about the one towards the object's centre [rad]."""
+    length: tuple[float, float] = (0.1, 0.4)
+    """Least and greatest length of a push that the prior draws [m]."""
+    position_tolerance: PositiveFloat = 0.015
+    """How far from either end the gripper may come [m]."""
+    least_move: PositiveFloat = 0.07
+    """How far an object must move in the plane to count as pushed [m]."""
+    direction_tolerance: PositiveFloat = 0.5
+    """How far its direction may differ from the gripper's [rad]."""
+    pushing_steps: PositiveInt = 50
+    """Motor actions that the push itself may take."""
+
+    def build(self, description: SceneDescription) -> "Push":
+        """Make the primitive; see `PrimitiveConfig`."""
+        return Push(self, description)
+
+
+class Push(ScriptedPrimitive):
+    """Lifts, travels above the start, descends with the gripper closed, and moves straight on.
+
+    Its parameters are where the push starts, x, y, z [m] and yaw [rad], and its displacement
+    dx, dy, dz [m].
+
+    Args:
+        config: Its settings.
+        description: Of the scenes that it will work in.
+    """
+
+    name = "push"
+
+    def __init__(self, config: PushConfig, description: SceneDescription) -> None:
+        super().__init__(config, description)
+        self._push = config
+        self._pose_space = self.parameter_space
+        displacement = tuple(
+            Parameter(name, "m", -limit, limit)
+            for name, limit in zip(("dx", "dy", "dz"), GREATEST_DISPLACEMENT, strict=True)
+        )
+        self.parameter_space = ParameterSpace((*self._pose_space.parameters, *displacement))
+        self.maximum_steps += config.pushing_steps
+
+    def can_start(self, scene: Scene) -> bool:
+        """Only with nothing held."""
+        return scene.held is None
+
+    def affordances(self, scene: Scene) -> Sequence[Affordance]:
+        """Return where pushes may start."""
+        return scene.description.affordances_for("push")
+
+    def propose(self, scene: Scene, generator: np.random.Generator) -> Array:
+        """Draw a start beside an object and a displacement through it, ``(7,)``.
+
+        A push ends within the workspace, so one that would leave it is shortened.
+        """
+        std = (*self._push.position_std, self._push.yaw_std)
+        start = prior.draw(scene, self.affordances(scene), self._pose_space, std, generator)
+        pushable = [item.pushable for item in scene.description.objects]
+        if not any(pushable):
+            return self.parameter_space.sample(generator)
+        ways = scene.object_positions[pushable, :2] - start[:2]
+        way = ways[np.argmin(np.linalg.norm(ways, axis=1))]
+        angle = np.arctan2(way[1], way[0]) + generator.normal(0.0, self._push.direction_std)
+        direction = np.array([np.cos(angle), np.sin(angle)])
+        length = generator.uniform(*self._push.length)
+        move = np.append(length * direction, generator.normal(0.0, self._push.position_std[2]))
+        space = self._pose_space
+        end = np.clip(start[:3] + move, space.low[:3], space.high[:3])
+        limit = np.array(GREATEST_DISPLACEMENT)
+        return np.append(start, np.clip(end - start[:3], -limit, limit))
+
+    def reachable(self, scene: Scene, parameters: Array) -> bool:
+        """Whether the arm can get to both ends within its limits and clear of furniture."""
+        if not self.parameter_space.contains(parameters):
+            return False
+        goals = parameters[:4], _end(parameters)
+        return all(
+            self._pose_space.contains(goal) and self._servo.plan(scene, goal) is not None
+            for goal in goals
+        )
+
+    def motion(self, scene: Scene, parameters: Array) -> Motion:
+        """Return the motion that starts in a scene; see `Primitive`."""
+        start = self._goal(scene, parameters[:4])
+        mover = Mover(self._servo, CLOSE)
+        scene = yield from self._approach(scene, start, mover)
+        if self._is_there(scene, parameters):
+            end = start + np.append(parameters[4:], 0.0)
+            yield from at_most(self._push.pushing_steps, scene, settle(scene, end, mover))
+
+    def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
+        """Whether it came to both ends, and an object that may be pushed moved along."""
+        before, after = scenes[0], scenes[-1]
+        if before.held is not None or after.held is not None:
+            return False
+        started = any(self._is_there(scene, parameters) for scene in scenes)
+        ended = distance(after, _end(parameters)) < self._push.position_tolerance
+        return started and ended and self._moved_along(before, after, parameters[4:6])
+
+    def _moved_along(self, before: Scene, after: Scene, way: Array) -> bool:
+        pushable = [item.pushable for item in after.description.objects]
+        moves = (after.object_positions - before.object_positions)[pushable, :2]
+        lengths = np.linalg.norm(moves, axis=1)
+        along = moves @ way >= np.cos(self._push.direction_tolerance) * lengths * np.linalg.norm(
+            way
+        )
+        return bool(np.any(along & (lengths > self._push.least_move)))
+
+
+def _end(parameters: Array) -> Array:
+    """Return the goal ``(4,)`` where a push ends."""
+    return np.append(parameters[:3] + parameters[4:], parameters[3])

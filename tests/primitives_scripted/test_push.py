@@ -1,0 +1,131 @@
+"""Push: its criteria, its prior, and objects that really move."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from prime_core.checks import check_primitive
+from prime_core.environment import Environment
+from prime_core.execution import run_primitive, settle
+from prime_core.scene import Affordance, Scene
+from prime_envs_robosuite.config import LiftConfig
+from prime_primitives_scripted.push import Push, PushConfig
+
+from .floating_gripper import DESCRIPTION, scene_at
+
+SIDES = tuple(
+    Affordance("push", "block", point, point, None)
+    for point in ((0.06, 0.0, 0.0), (-0.06, 0.0, 0.0), (0.0, 0.06, 0.0), (0.0, -0.06, 0.0))
+)
+BLOCK, ANVIL = DESCRIPTION.objects
+WITH_PUSH = replace(
+    DESCRIPTION,
+    objects=(replace(BLOCK, pushable=True), ANVIL),
+    affordances=(*DESCRIPTION.affordances, *SIDES),
+)
+CALL = np.array([0.0, -0.1, 0.82, 0.3, 0.2, 0.0, 0.0])
+push = PushConfig().build(WITH_PUSH)
+
+
+def world_scene(position: np.ndarray, block: tuple[float, float], held: str | None = None) -> Scene:
+    """Return a scene with the gripper and the block somewhere [m]."""
+    scene = replace(scene_at(position, yaw=0.3, held=held), description=WITH_PUSH)
+    moved = scene.object_positions.copy()
+    moved[0, :2] = block
+    return replace(scene, object_positions=moved)
+
+
+def run(block_end: tuple[float, float], end: float = 0.2, start: float = 0.0) -> list[Scene]:
+    """Return scenes: before, at the push's start, and at its end."""
+    return [
+        world_scene(np.array([0.0, 0.0, 1.0]), (0.1, -0.1)),
+        world_scene(CALL[:3] + np.array([start, 0.0, 0.0]), (0.1, -0.1)),
+        world_scene(CALL[:3] + np.array([end, 0.0, 0.0]), block_end),
+    ]
+
+
+def test_it_starts_with_an_empty_gripper_only() -> None:
+    assert push.can_start(world_scene(CALL[:3], (0.1, -0.1)))
+    assert not push.can_start(world_scene(CALL[:3], (0.1, -0.1), held="block"))
+
+
+def test_it_counts_where_both_ends_were_reached_and_the_object_moved_along() -> None:
+    assert push.succeeded(run((0.25, -0.1)), CALL)
+    assert push.succeeded(run((0.25, -0.1), end=0.214, start=0.014), CALL)
+    assert not push.succeeded(run((0.25, -0.1), end=0.184), CALL)
+    assert not push.succeeded(run((0.25, -0.1), start=0.016), CALL)
+    assert not push.succeeded(run((0.169, -0.1)), CALL)
+    assert not push.succeeded(run((0.1, 0.05)), CALL)
+
+
+def test_what_may_not_be_pushed_does_not_count() -> None:
+    other = PushConfig().build(DESCRIPTION)
+    scenes = [replace(scene, description=DESCRIPTION) for scene in run((0.25, -0.1))]
+    assert not other.succeeded(scenes, CALL)
+
+
+def test_what_is_taken_along_in_the_fingers_does_not_count() -> None:
+    *before, after = run((0.25, -0.1))
+    assert not push.succeeded([*before, replace(after, held="block")], CALL)
+
+
+def test_the_prior_goes_from_beside_an_object_through_it() -> None:
+    generator = np.random.default_rng(0)
+    scene = world_scene(np.array([0.0, 0.0, 1.0]), (0.05, -0.05))
+    drawn = np.array([push.propose(scene, generator) for _ in range(200)])
+    assert all(push.parameter_space.contains(values) for values in drawn)
+    ends = drawn[:, :3] + drawn[:, 4:]
+    assert np.all(ends >= np.array(WITH_PUSH.workspace_low) - 1e-9)
+    assert np.all(ends <= np.array(WITH_PUSH.workspace_high) + 1e-9)
+    away = np.array([0.05, -0.05]) - drawn[:, :2]
+    cosines = np.sum(away * drawn[:, 4:6], axis=1)
+    cosines /= np.linalg.norm(away, axis=1) * np.linalg.norm(drawn[:, 4:6], axis=1)
+    assert np.median(np.arccos(np.clip(cosines, -1, 1))) < 0.4
+
+
+def test_without_anything_to_push_the_prior_is_uniform() -> None:
+    generator = np.random.default_rng(0)
+    other = PushConfig().build(DESCRIPTION)
+    scene = scene_at()
+    drawn = np.array([other.propose(scene, generator) for _ in range(100)])
+    assert np.std(drawn[:, 4]) > 0.15
+
+
+@pytest.fixture(scope="module")
+def table() -> Iterator[Environment]:
+    """Lift with a cube that may be pushed."""
+    environment = LiftConfig().build()
+    cube = environment.description.objects[0]
+    sides = tuple(replace(item, reference="cube") for item in SIDES)
+    environment.description = replace(
+        environment.description,
+        objects=(replace(cube, pushable=True),),
+        affordances=(*environment.description.affordances, *sides),
+    )
+    yield environment
+    environment.close()
+
+
+def build(environment: Environment) -> Push:
+    return PushConfig().build(environment.description)
+
+
+def test_it_keeps_the_contract(table: Environment) -> None:
+    check_primitive(build(table), table)
+
+
+def test_a_cube_is_pushed_along(table: Environment) -> None:
+    primitive, generator = build(table), np.random.default_rng(1)
+    succeeded = tried = 0
+    for seed in range(10):
+        table.reset(seed=seed)
+        settle(table)
+        scene = table.scene()
+        draws = (primitive.propose(scene, generator) for _ in range(50))
+        drawn = next(values for values in draws if primitive.reachable(scene, values))
+        execution = run_primitive(table, primitive, drawn)
+        tried += 1
+        succeeded += primitive.succeeded(execution.scenes, drawn)
+    assert succeeded >= 0.5 * tried
