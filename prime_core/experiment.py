@@ -81,16 +81,28 @@ class Experiment:
             self.videos[name] = Video(training=training, maximum_steps=steps, infra=infra)
 
     def _infra(self) -> dict[str, Any]:
-        workers = self.config.compute.workers
+        compute = self.config.compute
         cache = self.folder / "stages"
         cache.mkdir(parents=True, exist_ok=True)
-        return {
+        infra: dict[str, Any] = {
             "folder": cache,
-            "cluster": "local" if workers else None,
-            "max_jobs": workers or None,
+            "cluster": compute.cluster if compute.workers else None,
+            "max_jobs": compute.workers or None,
             "keep_in_ram": False,
             "timeout_min": _LONG,
         }
+        if compute.cluster == "slurm":
+            infra |= {
+                "timeout_min": compute.minutes,
+                "cpus_per_task": 1,
+                "mem_gb": compute.memory_gb,
+                "slurm_partition": compute.partition,
+                "slurm_account": compute.account,
+                "slurm_qos": compute.qos,
+                "slurm_constraint": compute.constraint,
+                "slurm_setup": list(compute.setup) or None,
+            }
+        return infra
 
     @property
     def stages(self) -> dict[str, Stage]:

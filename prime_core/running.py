@@ -26,6 +26,7 @@ from prime_core.atomic import new_file
 from prime_core.errors import PrimeError
 from prime_core.experiment import Experiment
 from prime_core.experiment_config import dump_experiment
+from prime_core.slurm import jobs_watched_in_queue
 from prime_core.stages.stage import PARENT_VARIABLE, Stage
 
 POLL_SECONDS = 0.5
@@ -50,7 +51,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
             console.print(f"[green]✓[/] {name} [dim]was done before[/]")
             continue
         try:
-            with _workers_watch_this_process(), _progress(console, name, stage, total):
+            with _ready_for_workers(stage), _progress(console, name, stage, total):
                 run_stage(stage)
         except PrimeError as error:
             if not stage.optional:
@@ -98,20 +99,20 @@ def wall_seconds(stage: Stage) -> float:
 
 
 @contextmanager
-def _workers_watch_this_process() -> Iterator[None]:
-    settings = {
-        PARENT_VARIABLE: str(os.getpid()),
-        # Workers share the cores among themselves, each with one thread.
-        "OMP_NUM_THREADS": "1",
-        "TQDM_DISABLE": "1",
-    }
+def _ready_for_workers(stage: Stage) -> Iterator[None]:
+    # Workers share the cores among themselves, each with one thread.
+    settings = {"OMP_NUM_THREADS": "1", "TQDM_DISABLE": "1"}
+    if stage.infra.cluster == "local":
+        # They stop when this process is gone; jobs of Slurm go on and are found by the next run.
+        settings[PARENT_VARIABLE] = str(os.getpid())
     before = {name: os.environ.get(name) for name in settings}
     os.environ.update(settings)
     logger = logging.getLogger("exca")
     level = logger.level
     logger.setLevel(logging.WARNING)
     try:
-        yield
+        with jobs_watched_in_queue():
+            yield
     finally:
         logger.setLevel(level)
         for name, value in before.items():
