@@ -1,6 +1,6 @@
 """Makes what an IDM learns from out of collected episodes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 from pydantic import Field
@@ -24,49 +24,75 @@ class PairConfig(Config):
     jittered_copies: int = Field(1, ge=0)
     """How often."""
     held_out_share: float = Field(0.1, ge=0, lt=1)
-    """Share of episodes that the IDM is tested on and does not see in training."""
+    """Share of episodes, the last ones, that the IDM is tested on and does not see in training."""
+
+    @property
+    def around(self) -> int:
+        """Frames on either side of the ends of rollouts that jitter may move them to."""
+        return self.jitter_steps if self.jittered_copies else 0
 
 
 class RolloutTable:
-    """The frames and rollouts of many episodes, end to end.
+    """The rollouts of many episodes, and the frames that are learnt from.
+
+    Frames are counted through all episodes, end to end. Most of them lie inside of rollouts and
+    motor actions, where nothing is learnt: they are not kept, so that the memory does not grow
+    with the length of the episodes.
 
     Attributes:
-        frames: All frames.
-        episode: Number of each frame's episode, ``(frames,)``.
+        frames: Those that were kept; `rows` tells where.
         rollouts: Start frame, end frame and primitive of each rollout, ``(n, 3)``.
         parameters: Of each rollout, ``(n, width)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
+
+    Args:
+        episodes: Each is looked at once.
+        around: Frames that are kept on either side of the ends of rollouts.
     """
 
-    def __init__(self, episodes: Sequence[CollectedEpisode]) -> None:
-        lengths = [len(item.state) for item in episodes]
-        offsets = np.concatenate(([0], np.cumsum(lengths)[:-1])).astype(np.int64)
+    def __init__(self, episodes: Iterable[CollectedEpisode], around: int = 0) -> None:
+        first, starts = 0, []
+        frames: list[Frames] = []
+        numbers: list[Indices] = []
+        rollouts: list[Indices] = []
+        parameters: list[Floats] = []
+        others: list[Indices] = []
+        for item in episodes:
+            kept = _learnt_from(item, around)
+            starts.append(first)
+            numbers.append(kept + first)
+            frames.append(Frames(item.state[kept], item.environment_state[kept]))
+            rollouts.append(item.rollouts + np.array([first, first, 0]))
+            parameters.append(item.parameters)
+            others.append(item.others + first)
+            first += len(item.state)
         self.frames = Frames(
-            np.concatenate([item.state for item in episodes]),
-            np.concatenate([item.environment_state for item in episodes]),
+            np.concatenate([item.state for item in frames]),
+            np.concatenate([item.environment_state for item in frames]),
         )
-        self.episode = np.repeat(np.arange(len(episodes)), lengths)
-        shifted = [item.rollouts.copy() for item in episodes]
-        for rows, offset in zip(shifted, offsets, strict=True):
-            rows[:, :2] += offset
-        self.rollouts = np.concatenate(shifted)
-        self.parameters = np.concatenate([item.parameters for item in episodes])
-        pairs = [item.others + offset for item, offset in zip(episodes, offsets, strict=True)]
-        self.others = np.concatenate(pairs)
+        self.rollouts = np.concatenate(rollouts)
+        self.parameters = np.concatenate(parameters)
+        self.others = np.concatenate(others)
+        self._starts, self._numbers = np.array(starts), np.concatenate(numbers)
+        self.last = first - 1
 
-    @property
-    def transitions(self) -> int:
-        """Motor actions in all episodes."""
-        return len(self.frames) - len(np.unique(self.episode))
+    def rows(self, numbers: Indices) -> Indices:
+        """Return where frames lie in `frames`, in the shape of their numbers."""
+        found: Indices = np.searchsorted(self._numbers, numbers)
+        return found
+
+    def episode(self, numbers: Indices) -> Indices:
+        """Return the number of the episode that each frame is of."""
+        found: Indices = np.searchsorted(self._starts, numbers, side="right") - 1
+        return found
 
 
-def split_episodes(
-    episodes: Sequence[CollectedEpisode], share: float
-) -> tuple[list[CollectedEpisode], list[CollectedEpisode]]:
-    """Split into episodes to train on and the last ``share`` of them, to test on."""
-    held_out = round(len(episodes) * share)
-    cut = len(episodes) - held_out
-    return list(episodes[:cut]), list(episodes[cut:])
+def _learnt_from(episode: CollectedEpisode, around: int) -> Indices:
+    """Return the frames of an episode that pairs begin or end at, in order."""
+    ends = episode.rollouts[:, :2].reshape(-1, 1) + np.arange(-around, around + 1)
+    used = np.concatenate((ends.ravel(), episode.others.ravel()))
+    kept: Indices = np.unique(np.clip(used, 0, len(episode.state) - 1))
+    return kept
 
 
 def training_pairs(
@@ -75,7 +101,7 @@ def training_pairs(
     """Make the pairs that an IDM is trained on.
 
     Args:
-        table: The rollouts.
+        table: The rollouts, with ``config.around`` frames about their ends.
         space: The primitives.
         config: Which pairs.
         generator: Of all random draws.
@@ -91,10 +117,10 @@ def training_pairs(
     parameter_labels = np.tile(labels, len(copies))
     return PairData(
         frames=table.frames,
-        type_pairs=type_pairs,
+        type_pairs=table.rows(type_pairs),
         type_labels=type_labels,
         type_weights=balanced_weights(type_labels),
-        parameter_pairs=np.concatenate(copies),
+        parameter_pairs=table.rows(np.concatenate(copies)),
         parameter_labels=parameter_labels,
         parameters=np.tile(table.parameters, (len(copies), 1)),
         parameter_weights=balanced_weights(parameter_labels),
@@ -129,9 +155,10 @@ def hard_negatives(
         second[rows] = same[generator.integers(len(same), size=int(rows.sum()))]
     start, end = first[:, 0], second[:, 1]
     objects = table.frames.environment_state.reshape(len(table.frames), -1, OBJECT_WIDTH)
-    moved = np.linalg.norm(objects[start, :, :3] - objects[end, :, :3], axis=-1)
-    keep = table.episode[start] != table.episode[end]
-    keep &= objects[start, :, 7].max(axis=-1, initial=0) < 0.5
+    before, after = objects[table.rows(start)], objects[table.rows(end)]
+    moved = np.linalg.norm(before[:, :, :3] - after[:, :, :3], axis=-1)
+    keep = table.episode(start) != table.episode(end)
+    keep &= before[:, :, 7].max(axis=-1, initial=0) < 0.5
     keep &= moved.max(axis=-1, initial=0) > 0.02
     pairs: Indices = np.stack((start, end), axis=1)[keep]
     return pairs
@@ -140,8 +167,8 @@ def hard_negatives(
 def _jittered(table: RolloutTable, config: PairConfig, generator: np.random.Generator) -> Indices:
     pairs = table.rollouts[:, :2]
     shift = generator.integers(-config.jitter_steps, config.jitter_steps + 1, pairs.shape)
-    moved = np.clip(pairs + shift, 0, len(table.frames) - 1)
-    outside = table.episode[moved] != table.episode[pairs]
+    moved = np.clip(pairs + shift, 0, table.last)
+    outside = table.episode(moved) != table.episode(pairs)
     short = (moved[:, 1] <= moved[:, 0])[:, None]
     jittered: Indices = np.where(outside | short, pairs, moved)
     return jittered

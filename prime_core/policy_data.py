@@ -28,7 +28,7 @@ class AugmentationConfig(Config):
 
 def rollout_policy_data(table: RolloutTable) -> PolicyData:
     """Return the starts of rollouts, labelled with the calls that were made there."""
-    starts, labels = table.rollouts[:, 0], table.rollouts[:, 2]
+    starts, labels = table.rows(table.rollouts[:, 0]), table.rollouts[:, 2]
     weights = balanced_weights(labels)
     return PolicyData(
         table.frames, starts, labels, weights, starts, labels, table.parameters, weights

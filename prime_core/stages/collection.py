@@ -52,13 +52,23 @@ class Collection(Stage):
                 draws.counts += counted.counts
             yield {"episodes": episodes, "draws": draws.counts, "width": space.width}
 
-    def load(self) -> list[CollectedEpisode]:
-        """Return all episodes."""
-        return [
-            _restored(episode, shard["width"])
-            for shard in self.results()
-            for episode in shard["episodes"]
-        ]
+    def episodes(self, start: int = 0, end: int | None = None) -> Iterator[CollectedEpisode]:
+        """Read episodes one after another, which bounds the memory.
+
+        Args:
+            start: Number of the first one.
+            end: Number of the one after the last; None for all that follow.
+        """
+        config = self.config
+        end = config.episodes if end is None else end
+        for item in self.items():
+            numbers = config.shard_episodes(int(item))
+            if numbers.stop <= start or numbers.start >= end:
+                continue
+            (shard,) = self.compute([item])
+            for number, episode in zip(numbers, shard["episodes"], strict=True):
+                if start <= number < end:
+                    yield _restored(episode, shard["width"])
 
     def summary(self, names: Sequence[str]) -> dict[str, Any]:
         """Return how much was collected and which draws passed the filter.
@@ -66,10 +76,11 @@ class Collection(Stage):
         Args:
             names: Of the primitives.
         """
-        shards = self.results()
-        counts = np.sum([shard["draws"] for shard in shards], axis=0)
-        transitions = sum(len(ep["state"]) - 1 for shard in shards for ep in shard["episodes"])
-        rollouts = np.concatenate([episode.rollouts for episode in self.load()])
+        counts = np.sum([shard["draws"] for shard in self.compute(self.items())], axis=0)
+        transitions, rollouts = 0, np.zeros(len(names), dtype=np.int64)
+        for episode in self.episodes():
+            transitions += len(episode.state) - 1
+            rollouts += np.bincount(episode.rollouts[:, 2], minlength=len(names))
         draws: dict[str, Any] = {}
         for index, name in enumerate(names):
             rows = {"uniform": counts[index, 0], "prior": counts[index, 1]}
@@ -84,9 +95,7 @@ class Collection(Stage):
             }
         return {
             "transitions": transitions,
-            "rollouts": {
-                name: int((rollouts[:, 2] == index).sum()) for index, name in enumerate(names)
-            },
+            "rollouts": {name: int(count) for name, count in zip(names, rollouts, strict=True)},
             "draws": draws,
         }
 

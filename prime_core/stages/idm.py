@@ -9,7 +9,7 @@ from prime_core.choices import validate_choice
 from prime_core.configuration import ConfigDump
 from prime_core.idm import IdmConfig, InverseDynamicsModel
 from prime_core.idm_report import report_on
-from prime_core.pair_data import PairConfig, RolloutTable, split_episodes, training_pairs
+from prime_core.pair_data import PairConfig, RolloutTable, training_pairs
 from prime_core.stages.collection import Collection
 from prime_core.stages.stage import Result, Stage
 from prime_core.stages.world import build_world
@@ -45,9 +45,11 @@ class IdmTraining(Stage):
             world = build_world(self.collection.environment, self.collection.primitives)
             space = world.space
             pairs = PairConfig.model_validate(self.pairs)
-            train, test = split_episodes(self.collection.load(), pairs.held_out_share)
             generator = np.random.default_rng([self.seed, _STREAM])
-            data = training_pairs(RolloutTable(train), space, pairs, generator)
+            count = self.collection.config.episodes
+            cut = count - round(count * pairs.held_out_share)
+            table = RolloutTable(self.collection.episodes(end=cut), pairs.around)
+            data = training_pairs(table, space, pairs, generator)
             model = self.config.fit(
                 data,
                 world.description,
@@ -57,7 +59,8 @@ class IdmTraining(Stage):
                 self.progress_writer(item),
             )
             exact = pairs.model_copy(update={"jittered_copies": 0})
-            held_out = training_pairs(RolloutTable(test or train), space, exact, generator)
+            left_out = RolloutTable(self.collection.episodes(start=cut)) if cut < count else table
+            held_out = training_pairs(left_out, space, exact, generator)
             yield report_on(model, held_out)
 
     def load(self) -> InverseDynamicsModel:

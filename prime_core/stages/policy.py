@@ -56,7 +56,7 @@ class PolicyTraining(Stage):
         idm = self.parsing.idm.load()
         rollouts = None
         if config.pretrain:
-            rollouts = rollout_policy_data(RolloutTable(self.parsing.idm.collection.load()))
+            rollouts = rollout_policy_data(RolloutTable(self.parsing.idm.collection.episodes()))
         settings = AugmentationConfig.model_validate(self.augmentation)
         for item in items:
             generator = np.random.default_rng([int(item), _STREAM])

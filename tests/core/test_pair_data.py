@@ -9,7 +9,6 @@ from prime_core.pair_data import (
     RolloutTable,
     balanced_weights,
     hard_negatives,
-    split_episodes,
     training_pairs,
 )
 from prime_core.primitive_calls import Parameter, ParameterSpace
@@ -33,18 +32,22 @@ def episode(number: int, held: bool = False, frames: int = 60) -> CollectedEpiso
 
 def test_episodes_lie_end_to_end_and_indices_point_into_their_own() -> None:
     table = RolloutTable([episode(0), episode(1, frames=70)])
-    assert len(table.frames) == 130
-    assert table.transitions == 128
+    assert table.last == 129
     assert table.rollouts.tolist() == [[0, 20, 0], [30, 55, 1], [60, 80, 0], [90, 115, 1]]
     assert table.others.tolist() == [[1, 9], [61, 69]]
-    assert (table.frames.state[table.rollouts[:, 0], 0] == [0, 0, 1, 1]).all()
+    assert (table.frames.state[table.rows(table.rollouts[:, 0]), 0] == [0, 0, 1, 1]).all()
+    assert table.episode(table.others).tolist() == [[0, 0], [1, 1]]
 
 
-def test_held_out_episodes_are_others_than_those_trained_on() -> None:
-    episodes = [episode(number) for number in range(10)]
-    train, test = split_episodes(episodes, 0.2)
-    assert [len(train), len(test)] == [8, 2]
-    assert not {id(item) for item in train} & {id(item) for item in test}
+def test_only_frames_that_are_learnt_from_are_kept() -> None:
+    counted = episode(0)
+    counted.state[:, 0] = np.arange(60)
+    table = RolloutTable([counted])
+    assert table.frames.state[:, 0].tolist() == [0, 1, 9, 20, 30, 55]
+    around = RolloutTable([counted], around=3)
+    kept = [*range(4), 9, *range(17, 24), *range(27, 34), *range(52, 59)]
+    assert around.frames.state[:, 0].tolist() == [1.0 * number for number in kept]
+    assert around.frames.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]
 
 
 def test_each_class_has_the_same_weight_in_all() -> None:
@@ -61,7 +64,7 @@ def test_hard_negatives_join_two_episodes_with_the_object_elsewhere() -> None:
     ends = {row[1]: row[2] for row in table.rollouts.tolist()}
     for start, end in pairs.tolist():
         assert starts[start] == ends[end]
-        assert table.episode[start] != table.episode[end]
+        assert table.episode(start) != table.episode(end)
 
 
 def test_no_hard_negative_starts_with_something_held() -> None:
@@ -71,18 +74,20 @@ def test_no_hard_negative_starts_with_something_held() -> None:
 
 
 def test_jitter_moves_ends_a_little_and_never_into_another_episode() -> None:
-    table = RolloutTable([episode(number) for number in range(5)])
+    episodes = [episode(number) for number in range(5)]
+    for number, item in enumerate(episodes):  # each frame tells its episode and its place
+        item.state[:, 0], item.state[:, 1] = number, np.arange(60)
     config = PairConfig(jittered_copies=4, jitter_steps=10)
+    table = RolloutTable(episodes, config.around)
     data = training_pairs(table, SPACE, config, np.random.default_rng(0))
     exact = len(table.rollouts)
     assert len(data.parameter_pairs) == 5 * exact
-    assert (data.parameter_pairs[:exact] == table.rollouts[:, :2]).all()
-    shift = data.parameter_pairs[exact:] - np.tile(table.rollouts[:, :2], (4, 1))
+    states = data.frames.state[data.parameter_pairs]
+    assert (states[:, 0, 0] == states[:, 1, 0]).all()
+    assert (states[:exact, :, 1] == table.rollouts[:, :2] % 60).all()
+    shift = states[exact:, :, 1] - np.tile(states[:exact, :, 1], (4, 1))
     assert np.abs(shift).max() == 10
-    assert (
-        table.episode[data.parameter_pairs[:, 0]] == table.episode[data.parameter_pairs[:, 1]]
-    ).all()
-    assert (data.parameter_pairs[:, 1] > data.parameter_pairs[:, 0]).all()
+    assert (states[:, 1, 1] > states[:, 0, 1]).all()
 
 
 def test_other_pairs_keep_their_lengths_and_leave_out_what_a_rollout_explains() -> None:
