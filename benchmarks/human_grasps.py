@@ -1,0 +1,61 @@
+"""Where a parser finds the grasps of recorded demonstrations, and where they really are.
+
+Really, something is grasped at the frame from which the gripper holds the object for at least
+half a second. Prints a markdown table.
+
+    python benchmarks/human_grasps.py runs/lift/dataset [FOLDER ...]
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from prime_core.demonstration import Demonstration
+from prime_core.lerobot_dataset import read_dataset
+from prime_core.primitive_calls import Segment
+from prime_core.scene import OBJECT_WIDTH
+
+LASTING = 10  # frames
+AROUND = 20  # frames by which a segment may end before or after the real grasp: a second
+
+
+def grasp_frames(shown: Demonstration) -> list[int]:
+    """Return the frames from which an object is held for a while."""
+    objects = shown.frames.environment_state.reshape(len(shown.frames), -1, OBJECT_WIDTH)
+    held = objects[:, :, 7].max(axis=1) > 0.5
+    begins = np.flatnonzero(held & ~np.append(False, held[:-1]))
+    return [int(frame) for frame in begins if held[frame : frame + LASTING].all()]
+
+
+def is_around(segment: Segment, frame: int) -> bool:
+    """Whether a segment starts before a grasp and ends about when the object is held."""
+    return segment.start < frame and abs(segment.end - frame) <= AROUND
+
+
+def main(folders: list[str]) -> None:
+    print("| data set | demonstration | frames | held from | grasp segments | around a real one |")
+    print("|---|---|---|---|---|---|")
+    found = total = 0
+    for folder in folders:
+        dataset = read_dataset(Path(folder))
+        if dataset.segments is None:
+            raise SystemExit(f"{folder} is not parsed")
+        pairs = zip(dataset.demonstrations, dataset.segments, strict=True)
+        for number, (shown, segments) in enumerate(pairs):
+            frames = grasp_frames(shown)
+            grasps = [item for item in segments if item.call.primitive == "grasp"]
+            around = any(is_around(item, frame) for item in grasps for frame in frames)
+            found, total = found + around, total + 1
+            spans = ", ".join(f"{item.start}-{item.end}" for item in grasps)
+            real = ", ".join(map(str, frames))
+            answer = "yes" if around else "no"
+            print(f"| {folder} | {number} | {len(shown.frames)} | {real} | {spans} | {answer} |")
+    print(
+        f"\n{found} of {total} have a grasp segment that starts before a real grasp and ends within"
+    )
+    print(f"{AROUND} frames of it.")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
