@@ -183,6 +183,50 @@ def test_after_a_kill_the_run_goes_on_with_what_is_missing(tmp_path: Path) -> No
         assert before[item]["timing"] == after[item]["timing"]
 
 
+@pytest.mark.slow
+def test_after_a_kill_a_training_goes_on_after_its_last_epoch(
+    finished: Path, tmp_path: Path
+) -> None:
+    longer = ["idm.classifier_epochs=40", "idm.steps_per_epoch=60"]
+    settings = [*TINY, *longer]
+    for out in ("killed", "whole"):
+        shutil.copytree(finished, tmp_path / out, symlinks=True)
+    idm = experiment(tmp_path / "killed", *longer).idm
+    arguments = command("--until", "idm", out=tmp_path / "killed", settings=settings)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+    def epoch() -> int:
+        """Return the number of the last finished epoch."""
+        try:
+            return int((idm.folder / "progress-model.txt").read_text().split()[0])
+        except (OSError, IndexError):
+            return 0
+
+    running = subprocess.Popen(arguments, cwd=ROOT, **quiet)
+    deadline = time.monotonic() + 240
+    while time.monotonic() < deadline and epoch() < 12:
+        time.sleep(0.02)
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    time.sleep(3)  # the worker stops after the epoch in hand
+    before = epoch()
+    assert 12 <= before < 40
+    running = subprocess.Popen(arguments, cwd=ROOT, **quiet)
+    seen = {before}
+    while running.poll() is None:
+        seen.add(epoch())
+        time.sleep(0.02)
+    assert running.returncode == 0
+    assert min(seen) == before
+    assert max(seen) > before
+
+    completed = prime("--until", "idm", out=tmp_path / "whole", settings=settings)
+    assert completed.returncode == 0, completed.stderr
+    for file in sorted((idm.folder / "model").glob("*.safetensors")):
+        whole = experiment(tmp_path / "whole", *longer).idm.folder / "model" / file.name
+        assert file.read_bytes() == whole.read_bytes()
+
+
 def test_a_mistake_is_told_without_a_traceback(tmp_path: Path) -> None:
     completed = prime(out=tmp_path, settings=["parser.alhpa=1"])
     assert completed.returncode == 1

@@ -7,6 +7,7 @@ import sys
 
 import typer
 
+from prime_core.cli.compare import compare
 from prime_core.cli.parse import parse
 from prime_core.cli.plugins import plugins
 from prime_core.cli.run import run
@@ -27,7 +28,7 @@ def build_app() -> typer.Typer:
         pretty_exceptions_enable=False,
         rich_markup_mode=None,  # rich renders Markdown: loading that takes longer than all else
     )
-    for command in (run, show, validate, parse, plugins):
+    for command in (run, show, validate, parse, compare, plugins):
         app.command()(command)
     from prime_core.plugins import load_plugins
 

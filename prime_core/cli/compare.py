@@ -1,0 +1,28 @@
+"""``prime compare``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def compare(
+    results: Annotated[list[Path], typer.Argument(help="Folders of runs, or their results files.")],
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print it as Markdown.")] = False,
+) -> None:
+    """Put the results of several experiments side by side."""
+    from prime_core import comparison
+
+    rows = comparison.comparison_rows([comparison.read_results(path) for path in results])
+    if markdown:
+        print(comparison.markdown(rows))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table()
+    for number, title in enumerate(rows[0]):
+        table.add_column(title, justify="right" if number else "left", overflow="fold")
+    for row in rows[1:]:
+        table.add_row(*row)
+    Console().print(table)

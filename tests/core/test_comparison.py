@@ -1,0 +1,50 @@
+"""Results side by side."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from prime_core.comparison import comparison_rows, markdown, read_results
+from prime_core.errors import PrimeError
+
+PAPER = Path(__file__).parents[2] / "docs" / "results" / "paper"
+
+
+def test_files_with_other_figures_stand_beside_each_other(tmp_path: Path) -> None:
+    results = {
+        "evaluation.prime": {
+            "success": {"mean": 0.5, "standard_deviation": 0.25},
+            "fresh": {"mean": 0.75, "interval_95": [0.7, 0.8], "trials": 200},
+        }
+    }
+    (tmp_path / "results.json").write_text(json.dumps({"name": "mine", "results": results}))
+    rows = comparison_rows([read_results(tmp_path), read_results(PAPER / "pick_place.json")])
+    assert rows[0] == ["what", "mine", "paper: PickPlace"]
+    assert ["prime: best checkpoints", "0.500 ± 0.250", "0.967 ± 0.004"] in rows
+    assert ["prime: last checkpoint", "0.750 [0.700, 0.800], 200 trials", "-"] in rows
+    assert ["replay success", "-", "0.967"] in rows
+    assert all(len(row) == 3 for row in rows)
+
+
+def test_markdown_has_a_heading() -> None:
+    assert markdown([["what", "a"], ["x", "1"]]) == "| what | a |\n|---|---|\n| x | 1 |"
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (None, "there is no such file: prime run leaves one"),
+        ("{", "cannot be read as JSON"),
+        ("[]", "a results file has the keys 'name' and 'results'"),
+    ],
+)
+def test_what_is_no_results_file_is_refused(
+    tmp_path: Path, text: str | None, complaint: str
+) -> None:
+    file = tmp_path / "results.json"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(PrimeError, match=complaint) as caught:
+        read_results(tmp_path)
+    assert str(file) in str(caught.value)
