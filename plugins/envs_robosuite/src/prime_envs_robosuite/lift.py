@@ -43,9 +43,13 @@ class LiftTask(Task):
         quarter_turns = (0.0, 1.5707963267948966)
         low, high = TABLE_TOP + CUBE_HALF_SIZE, TABLE_TOP + CUBE_HALF_SIZE + 0.02
         return (
-            # People take the cube up to 1 cm below its centre, and beside its middle.
-            Affordance("grasp", "cube", (-0.01, -0.01, -0.012), (0.01, 0.01, 0.005), quarter_turns),
+            # People take the cube up to 1 cm below its centre, and up to 2 cm beside its middle.
+            Affordance("grasp", "cube", (-0.02, -0.02, -0.012), (0.02, 0.02, 0.005), quarter_turns),
             Affordance("reach", "cube", (0.0, 0.0, 0.05), (0.0, 0.0, 0.12), quarter_turns),
+            # Above the table, where people hold the cube up.
+            Affordance(
+                "reach", None, (-0.1, -0.15, TABLE_TOP + 0.03), (0.1, 0.15, TABLE_TOP + 0.17)
+            ),
             Affordance("place", None, (-0.1, -0.15, low), (0.1, 0.15, high)),
         )
 
