@@ -14,6 +14,7 @@ HUBER = 1.345  # in standard deviations: residuals beyond it count less and less
 ROUNDS = 10  # of reweighting, at most
 SETTLED = 1e-3  # of the spread: what a round must change the line by to be worth another
 RIDGES = (1e-2, 1.0, 1e2)  # in rows of data; chosen by cross-validation
+LEAST_GAIN = 0.1  # share of a copy's error that a ridge must save
 FOLDS = 4
 MAXIMUM_ROWS = 20_000  # more rows do not make a line better, only slower
 MAXIMUM_FOLD_ROWS = 3_000  # enough to tell the ridges apart
@@ -131,9 +132,9 @@ def _mean(errors: Tensor) -> Tensor:
 def _best_ridge(design: Tensor, output: Tensor) -> float:
     """Return the ridge with the smallest median error on rows left out; infinite if none helps.
 
-    By the mean, a few primitives that ended far from where they were called to would buy their
-    own better fit with a worse one of all others. Rows are left out in blocks, because
-    neighbours come from the same episode.
+    A small gain is chance. By the mean, a few primitives that ended far from where they were
+    called to would buy their own better fit with a worse one of all others. Rows are left out in
+    blocks, because neighbours come from the same episode.
     """
     design, output = _thin(design, MAXIMUM_FOLD_ROWS), _thin(output, MAXIMUM_FOLD_ROWS)
     count = len(output)
@@ -144,7 +145,8 @@ def _best_ridge(design: Tensor, output: Tensor) -> float:
         for ridge in errors:
             solution = _huber_ridge(design[kept], output[kept], ridge)
             errors[ridge] += float((output[left] - design[left] @ solution).abs().median())
-    return min(errors, key=lambda ridge: errors[ridge])
+    best = min(errors, key=lambda ridge: errors[ridge])
+    return best if errors[best] < (1 - LEAST_GAIN) * errors[inf] else inf
 
 
 def _huber_ridge(design: Tensor, output: Tensor, ridge: float) -> Tensor:
