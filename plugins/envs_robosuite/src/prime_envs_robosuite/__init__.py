@@ -9,10 +9,17 @@ from prime_core.hookspecs import Register, hookimpl
 @hookimpl
 def register_environments(register: Register) -> None:
     """Register the environments of this pack."""
-    from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+    from prime_envs_robosuite.config import (
+        CleanUpConfig,
+        LiftConfig,
+        PickPlaceConfig,
+        TidyUpConfig,
+    )
 
+    register("robosuite/clean-up", CleanUpConfig)
     register("robosuite/lift", LiftConfig)
     register("robosuite/pick-place", PickPlaceConfig)
+    register("robosuite/tidy-up", TidyUpConfig)
 
 
 @hookimpl

@@ -56,3 +56,35 @@ class PickPlaceConfig(RobosuiteConfig):
         return RobosuiteEnvironment(
             PickPlaceTask(self.object), self.stepping, self.cameras, self.image_size, self.horizon
         )
+
+
+class TidyUpConfig(RobosuiteConfig):
+    """The paper's TidyUp: two small boxes into a bin, a large one pushed onto a mat."""
+
+    variant: Literal["A", "B", "C", "D"] = "D"
+    """Where bins and mats are, and how they look. The paper's task is D."""
+
+    def build(self) -> Environment:
+        """Make the environment."""
+        from prime_envs_robosuite.environment import RobosuiteEnvironment
+        from prime_envs_robosuite.tidy_up import TidyUpTask
+
+        return RobosuiteEnvironment(
+            TidyUpTask(self.variant), self.stepping, self.cameras, self.image_size, self.horizon
+        )
+
+
+class CleanUpConfig(RobosuiteConfig):
+    """The paper's CleanUp: push a popcorn box to the serving area, and put butter away."""
+
+    variant: Literal["bin", "stack"] = "bin"
+    """Where the butter belongs: in the bin, or on top of the popcorn box."""
+
+    def build(self) -> Environment:
+        """Make the environment."""
+        from prime_envs_robosuite.clean_up import CleanUpTask
+        from prime_envs_robosuite.environment import RobosuiteEnvironment
+
+        return RobosuiteEnvironment(
+            CleanUpTask(self.variant), self.stepping, self.cameras, self.image_size, self.horizon
+        )

@@ -23,6 +23,8 @@ from prime_envs_robosuite.simulation import Simulation, Stepping
 from prime_envs_robosuite.task import Task
 
 Array = NDArray[np.float64]
+# Closed fingers touch with both what they push; what they hold is thicker [m].
+CLOSED_OPENING = 0.005
 DEFAULT_PICTURE = ("agentview", 256, 256)
 
 
@@ -188,13 +190,15 @@ class RobosuiteEnvironment(Environment):
         positions, quaternions = simulation.object_poses()
         touches = simulation.touches()
         self._touched = any(left or right for left, right in touches)
+        opening = panda.opening(data)
         pairs = zip(self.task.objects, touches, strict=True)
-        held = [item.name for item, sides in pairs if all(sides)]
+        between = opening > CLOSED_OPENING
+        held = [item.name for item, sides in pairs if item.graspable and between and all(sides)]
         return Scene(
             description=self.description,
             gripper_position=position,
             gripper_quaternion=quaternion,
-            gripper_opening=panda.opening(data),
+            gripper_opening=opening,
             joint_positions=data.qpos[panda.joint_addresses].copy(),
             object_positions=positions,
             object_quaternions=quaternions,

@@ -21,8 +21,6 @@ PLACE_SPOTS = ((0.0025, 0.1575), (0.1975, 0.1575), (0.0025, 0.4025), (0.15, 0.34
 PLACE_HEIGHT = 0.98  # of the gripper when it lets go [m]
 RELEASE_DISTANCE = 0.0424  # robosuite's own threshold between gripper and object [m]
 RELEASE_OPENING = 0.06  # the fingers open to 0.08 m
-REST_SPEED = 0.05  # [m/s]
-REST_TURNING = 0.5  # [rad/s]
 
 
 @dataclass(frozen=True)
@@ -99,9 +97,7 @@ class PickPlaceTask(Task):
         released = (
             not touched and scene.gripper_opening > RELEASE_OPENING and distance > RELEASE_DISTANCE
         )
-        motion = motions[0]
-        at_rest = motion.speed < REST_SPEED and motion.turning < REST_TURNING
-        return released and at_rest and in_quarter(position, self.shape.quarter)
+        return released and motions[0].at_rest and in_quarter(position, self.shape.quarter)
 
 
 def quarter_centre(quarter: int) -> np.ndarray[Any, np.dtype[np.float64]]:

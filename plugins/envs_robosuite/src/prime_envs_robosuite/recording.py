@@ -8,7 +8,13 @@ from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
 from prime_core.frames import Frames
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, RobosuiteConfig
+from prime_envs_robosuite.config import (
+    CleanUpConfig,
+    LiftConfig,
+    PickPlaceConfig,
+    RobosuiteConfig,
+    TidyUpConfig,
+)
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 ACTION_WIDTH = 5
@@ -44,6 +50,11 @@ def task_words(environment: EnvironmentConfig) -> str:
         return "lift the cube"
     if isinstance(environment, PickPlaceConfig):
         return f"put the {environment.object} into its bin"
+    if isinstance(environment, TidyUpConfig):
+        return "put both small boxes into the bin and push the large one onto the mat"
+    if isinstance(environment, CleanUpConfig):
+        target = "into the bin" if environment.variant == "bin" else "on top of it"
+        return f"push the popcorn box to the serving area and put the butter {target}"
     return "solve the task"
 
 

@@ -16,6 +16,9 @@ from prime_envs_robosuite.task import Motion, Task
 Array = NDArray[np.float64]
 Stepping = Literal["compiled", "stock"]
 
+PLACEMENT_DRAWS = 1000
+GREATEST_OVERLAP = 0.001  # what stands on something may be that deep in it at the start [m]
+
 
 class Simulation:
     """A MuJoCo model and data, and the stepper that moves them.
@@ -101,14 +104,36 @@ class Simulation:
         positions = self.data.qpos
         positions[self.panda.joint_addresses] = robot.init_qpos + noise
         positions[self.panda.finger_addresses] = robot.gripper["right"].init_qpos
+        for _ in range(PLACEMENT_DRAWS):
+            self._place_objects(rng)
+            if not self._objects_overlap():
+                break
+        else:
+            raise PrimeError(
+                f"no start with all objects apart was found in {PLACEMENT_DRAWS} draws: the task's "
+                "placements overlap, or lie in furniture"
+            )
+        self._restart_controller(0.0)
+
+    def _place_objects(self, rng: np.random.Generator) -> None:
+        """Draw each object's place and yaw."""
+        import mujoco
+
         for placement, address in zip(self._placements, self._object_addresses, strict=True):
             spot = rng.uniform(placement.low, placement.high)
-            half = rng.uniform(0.0, 2.0 * np.pi) / 2
+            half = rng.uniform(*placement.yaws) / 2
             turned = np.empty(4)
             yaw = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
             mujoco.mju_mulQuat(turned, yaw, np.array(placement.quaternion))
-            positions[address : address + 7] = [*spot, placement.height, *turned]
-        self._restart_controller(0.0)
+            self.data.qpos[address : address + 7] = [*spot, placement.height, *turned]
+
+    def _objects_overlap(self) -> bool:
+        """Whether an object is inside another one, furniture or the arm."""
+        self.refresh()
+        contacts = self.data.contact
+        owners = self.model.geom_bodyid[contacts.geom[: self.data.ncon]]
+        deep = contacts.dist[: self.data.ncon] < -GREATEST_OVERLAP
+        return bool(np.isin(owners[deep], self._bodies).any())
 
     def set_joint_state(
         self, positions: Array, velocities: Array, gripper_command: float | None = None

@@ -1,0 +1,227 @@
+"""Tasks on a table: boxes to move, open bins and painted mats, as data.
+
+The table's middle is the origin of x and y in the world frame.
+"""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_envs_robosuite.adapter import make_host
+from prime_envs_robosuite.task import Motion, Placement, Task
+
+Colour = tuple[float, float, float]
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+TABLE_TOP = 0.8  # height of the table's surface [m]
+FRICTION = 0.6  # sliding friction of table, boxes and bins; the fingers' pads have their own
+START_GAP = 0.005  # [m] that boxes are dropped from
+START_YAWS = (-float(np.pi / 4), float(np.pi / 4))  # [rad]
+WIDEST_GRIP = 0.075  # width of what the fingers, which open to 0.08 m, can be put around [m]
+PUSH_DISTANCE = 0.03  # of the closed fingers from the face that they will push [m]
+QUARTER_TURN = (float(np.pi / 2),)  # [rad]
+BIN_FLOOR = 0.04  # thickness [m]
+BIN_WALL = 0.01  # thickness [m]
+BIN_HEIGHT = 0.09  # of the walls' upper edge above the table [m]
+# Of the gripper above the table where it lets go: opened fingers, which reach 12 mm lower, are
+# clear of the walls at any yaw, and what is held falls some 4 cm, to the floor between them.
+RELEASE_HEIGHT = (0.105, 0.115)
+MAT_SIZE = (0.21, 0.16)  # [m]
+
+
+@dataclass(frozen=True)
+class Look:
+    """A plain surface with specks.
+
+    Attributes:
+        colour: Red, green and blue in [0, 1].
+        specks: The specks' colour.
+        share: Share of the surface that they cover.
+    """
+
+    colour: Colour
+    specks: Colour
+    share: float = 0.2
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box that can be moved, and where it starts.
+
+    Attributes:
+        name: Of the object.
+        half_size: Along its own x, y and z [m].
+        low: Smallest x and y of its centre at the start [m].
+        high: Greatest x and y [m].
+        look: Its surface.
+    """
+
+    name: str
+    half_size: tuple[float, float, float]
+    low: tuple[float, float]
+    high: tuple[float, float]
+    look: Look
+
+    def describe(self) -> ObjectDescription:
+        """Return the object; it is to be grasped where it fits the gripper, else pushed."""
+        square = self.half_size[0] == self.half_size[1]
+        fits = bool(self.grasp_yaws())
+        return ObjectDescription(self.name, 4 if square else 2, graspable=fits, pushable=not fits)
+
+    def placement(self) -> Placement:
+        """Return where it starts."""
+        height = TABLE_TOP + self.half_size[2] + START_GAP
+        return Placement(self.low, self.high, height, yaws=START_YAWS)
+
+    def affordances(self) -> tuple[Affordance, ...]:
+        """Return where to grasp it, or beside which of its faces to begin to push it."""
+        yaws = self.grasp_yaws()
+        if yaws:
+            return (Affordance("grasp", self.name, (0.0, 0.0, 0.0), (0.0, 0.0, 0.01), yaws),)
+        along, across = (size + PUSH_DISTANCE for size in self.half_size[:2])
+        points = [(along, 0.0, 0.0), (-along, 0.0, 0.0), (0.0, across, 0.0), (0.0, -across, 0.0)]
+        # The fingers slide along the gripper's y axis: side by side they push a face flat.
+        flat = [(0.0,), (0.0,), QUARTER_TURN, QUARTER_TURN]
+        return tuple(
+            Affordance("push", self.name, point, point, yaw)
+            for point, yaw in zip(points, flat, strict=True)
+        )
+
+    def grasp_yaws(self) -> tuple[float, ...]:
+        """Return the gripper's yaws relative to the box at which it fits between the fingers."""
+        long, wide = (2 * half < WIDEST_GRIP for half in self.half_size[:2])
+        return ((0.0,) if wide else ()) + (QUARTER_TURN if long else ())
+
+
+@dataclass(frozen=True)
+class Bin:
+    """An open box that stands on the table.
+
+    Attributes:
+        name: Of its body in the model.
+        centre: x and y [m].
+        look: Its surface.
+        turned: Whether its long side is along y, not x.
+    """
+
+    name: str
+    centre: tuple[float, float]
+    look: Look
+    turned: bool = False
+
+    @property
+    def half_size(self) -> tuple[float, float]:
+        """Half of the space between its walls along x and y [m]."""
+        return (0.07, 0.12) if self.turned else (0.12, 0.07)
+
+    def parts(self) -> tuple[tuple[Array, Array], ...]:
+        """Return centre and half size of its floor and its four walls [m], ``(3,)`` each.
+
+        In the frame of its body, which is on the table with its axes along the world's.
+        """
+        x, y = self.half_size
+        wall, middle = BIN_WALL / 2, BIN_HEIGHT / 2
+        parts = [(np.array([0.0, 0.0, BIN_FLOOR / 2]), np.array([x, y, BIN_FLOOR / 2]))]
+        for side in (-1.0, 1.0):
+            # The walls along x are longer by the corners.
+            along = np.array([x + BIN_WALL, wall, middle])
+            parts.append((np.array([0.0, side * (y + wall), middle]), along))
+            parts.append((np.array([side * (x + wall), 0.0, middle]), np.array([wall, y, middle])))
+        return tuple(parts)
+
+    def holds(self, position: Array) -> bool:
+        """Whether a point [m], world frame, ``(3,)``, is between its walls and below their edge."""
+        aside = np.abs(position[:2] - self.centre)
+        inside = bool(np.all(aside < self.half_size))
+        return inside and bool(position[2] < TABLE_TOP + BIN_HEIGHT)
+
+    def affordance(self) -> Affordance:
+        """Return where to let go of what belongs into it."""
+        # As far from the walls as the boxes and the spread of draws ask for.
+        x, y = (half - 0.05 for half in self.half_size)
+        low, high = (TABLE_TOP + height for height in RELEASE_HEIGHT)
+        centre = self.centre
+        return Affordance(
+            "place", None, (centre[0] - x, centre[1] - y, low), (centre[0] + x, centre[1] + y, high)
+        )
+
+
+@dataclass(frozen=True)
+class Mat:
+    """A rectangle that is painted on the table.
+
+    Attributes:
+        centre: x and y [m].
+        look: Its surface.
+        turned: Whether its long side is along y, not x.
+    """
+
+    centre: tuple[float, float]
+    look: Look
+    turned: bool = False
+
+    @property
+    def half_size(self) -> tuple[float, float]:
+        """Half of its extent along x and y [m]."""
+        length, width = MAT_SIZE[0] / 2, MAT_SIZE[1] / 2
+        return (width, length) if self.turned else (length, width)
+
+    def distance(self, position: Array) -> float:
+        """Return how far a point [m], world frame, ``(3,)``, is from the centre in the plane."""
+        return float(np.linalg.norm(position[:2] - self.centre))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What is on the table.
+
+    Attributes:
+        boxes: In the order of the scene's objects.
+        bins: Those that something may be placed in.
+        mats: Painted ones.
+    """
+
+    boxes: tuple[Box, ...]
+    bins: tuple[Bin, ...]
+    mats: tuple[Mat, ...]
+
+
+class TableTopTask(Task):
+    """A task with boxes, bins and mats on a table of 0.8 x 0.8 m.
+
+    Args:
+        layout: What is on the table.
+    """
+
+    lift_height = TABLE_TOP + 0.15
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        self.objects = tuple(box.describe() for box in layout.boxes)
+        self.body_names = tuple(box.name for box in layout.boxes)
+
+    def make_host(self) -> Any:
+        """Build the robosuite environment; see `Task`."""
+        return make_host("TableTop", layout=self.layout)
+
+    def placements(self, host: Any) -> tuple[Placement, ...]:
+        """Return where each box starts; see `Task`."""
+        return tuple(box.placement() for box in self.layout.boxes)
+
+    def affordances(self) -> tuple[Affordance, ...]:
+        """Return where actions make sense; see `Task`."""
+        boxes = [item for box in self.layout.boxes for item in box.affordances()]
+        return (*boxes, *(item.affordance() for item in self.layout.bins))
+
+    def is_success(self, scene: Scene, touched: bool, motions: Sequence[Motion]) -> bool:
+        """Whether all boxes are where they belong, at rest, and no finger touches one."""
+        at_rest = all(motion.at_rest for motion in motions)
+        return not touched and at_rest and self.is_tidy(scene)
+
+    @abstractmethod
+    def is_tidy(self, scene: Scene) -> bool:
+        """Whether all boxes are where they belong, moving or not."""
