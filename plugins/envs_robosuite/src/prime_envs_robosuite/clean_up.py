@@ -26,16 +26,16 @@ SERVING_REACH = 0.10  # of the popcorn box's centre from it (paper's release) [m
 # starts so far from the serving area that it has to be pushed. The butter is a 125 g block.
 POPCORN = Box(
     "popcorn",
-    (0.06, 0.045, 0.025),
-    (-0.02, 0.0),
-    (0.06, 0.10),
+    (0.06, 0.045, 0.018),
+    (0.0, 0.07),
+    (0.06, 0.13),
     Look((0.90, 0.85, 0.74), (0.78, 0.12, 0.12)),
 )
 BUTTER = Box(
     "butter",
     (0.040, 0.018, 0.016),
-    (-0.14, -0.14),
-    (0.02, -0.08),
+    (-0.14, -0.09),
+    (0.02, -0.03),
     Look((0.96, 0.86, 0.40), (0.93, 0.80, 0.30)),
 )
 BIN = Bin("bin0", (-0.05, -0.29), Look((0.35, 0.45, 0.52), (0.30, 0.39, 0.46)))

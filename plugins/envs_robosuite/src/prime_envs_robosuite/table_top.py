@@ -30,6 +30,7 @@ BIN_HEIGHT = 0.09  # of the walls' upper edge above the table [m]
 # Of the gripper above the table where it lets go: opened fingers, which reach 12 mm lower, are
 # clear of the walls at any yaw, and what is held falls some 4 cm, to the floor between them.
 RELEASE_HEIGHT = (0.105, 0.115)
+RELEASE_MARGIN = 0.06  # from a bin's edge: wall, half a box and the spread of draws [m]
 MAT_SIZE = (0.21, 0.16)  # [m]
 
 
@@ -115,7 +116,7 @@ class Bin:
 
     @property
     def half_size(self) -> tuple[float, float]:
-        """Half of the space between its walls along x and y [m]."""
+        """Half of its extent along x and y [m]."""
         return (0.07, 0.12) if self.turned else (0.12, 0.07)
 
     def parts(self) -> tuple[tuple[Array, Array], ...]:
@@ -124,25 +125,25 @@ class Bin:
         In the frame of its body, which is on the table with its axes along the world's.
         """
         x, y = self.half_size
-        wall, middle = BIN_WALL / 2, BIN_HEIGHT / 2
+        wall, height = BIN_WALL / 2, (BIN_HEIGHT - BIN_FLOOR) / 2
         parts = [(np.array([0.0, 0.0, BIN_FLOOR / 2]), np.array([x, y, BIN_FLOOR / 2]))]
+        # The walls stand on the floor's rim; those along y are shorter by the corners.
         for side in (-1.0, 1.0):
-            # The walls along x are longer by the corners.
-            along = np.array([x + BIN_WALL, wall, middle])
-            parts.append((np.array([0.0, side * (y + wall), middle]), along))
-            parts.append((np.array([side * (x + wall), 0.0, middle]), np.array([wall, y, middle])))
+            along = np.array([x, wall, height])
+            across = np.array([wall, y - BIN_WALL, height])
+            parts.append((np.array([0.0, side * (y - wall), BIN_FLOOR + height]), along))
+            parts.append((np.array([side * (x - wall), 0.0, BIN_FLOOR + height]), across))
         return tuple(parts)
 
     def holds(self, position: Array) -> bool:
-        """Whether a point [m], world frame, ``(3,)``, is between its walls and below their edge."""
+        """Whether a point [m], world frame, ``(3,)``, is above its floor and below its edge."""
         aside = np.abs(position[:2] - self.centre)
         inside = bool(np.all(aside < self.half_size))
         return inside and bool(position[2] < TABLE_TOP + BIN_HEIGHT)
 
     def affordance(self) -> Affordance:
         """Return where to let go of what belongs into it."""
-        # As far from the walls as the boxes and the spread of draws ask for.
-        x, y = (half - 0.05 for half in self.half_size)
+        x, y = (half - RELEASE_MARGIN for half in self.half_size)
         low, high = (TABLE_TOP + height for height in RELEASE_HEIGHT)
         centre = self.centre
         return Affordance(

@@ -75,15 +75,17 @@ class InverseKinematics:
         if robot.joint_velocity_limits:
             speeds = dict(zip(robot.joint_names, robot.joint_velocity_limits, strict=True))
             self._limits.append(mink.VelocityLimit(self._model, speeds))
-        hand, furniture = (
+        self._hand, self._furniture = (
             [int(self._model.geom(name).id) for name in names]
             for names in (robot.hand_geoms, robot.furniture_geoms)
         )
         data = self._configuration.data
-        self._clearance = Clearance(self._model, data, hand, furniture, NOTICE_DISTANCE)
+        self._clearance = Clearance(
+            self._model, data, self._hand, self._furniture, NOTICE_DISTANCE
+        )
         self._collision_limit = mink.CollisionAvoidanceLimit(
             self._model,
-            [(hand, furniture)],
+            [(self._hand, self._furniture)],
             minimum_distance_from_collisions=CLEARANCE,
             collision_detection_distance=NOTICE_DISTANCE,
         )
@@ -136,7 +138,7 @@ class InverseKinematics:
             left = float(np.linalg.norm(error * ERROR_WEIGHTS))
             if left < PRECISION:
                 joints = np.array(self._configuration.q[self._order])
-                return joints if self.room(joints) > SLACK else None
+                return joints if self.room(joints) > SLACK and self._is_clear() else None
             idle = 0 if left < 0.9 * best else idle + 1
             if idle == IDLE_STEPS:
                 return None
@@ -148,6 +150,17 @@ class InverseKinematics:
         """Return the distance of the nearest joint from its margin [rad]; below 0 beyond it."""
         low, high = self._low[self._order], self._high[self._order]
         return float(np.minimum(joints - low, high - joints).min())
+
+    def _is_clear(self) -> bool:
+        """Whether the hand is outside of all furniture; a step may end inside of a thin wall."""
+        data = self._configuration.data
+        if not self._clearance.is_near(data):
+            return True
+        return all(
+            mujoco.mj_geomDistance(self._model, data, hand, furniture, CLEARANCE, None) > -CLEARANCE
+            for hand in self._hand
+            for furniture in self._furniture
+        )
 
     def _find_elbow(self) -> Elbow | None:
         """Return the elbow of an arm whose joints all have limits."""
