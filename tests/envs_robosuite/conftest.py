@@ -58,6 +58,32 @@ def settled(environment: RobosuiteEnvironment, seed: int) -> RobosuiteEnvironmen
     return environment
 
 
+def random_actions(count: int, seed: int) -> NDArray[np.float64]:
+    """Return motor actions ``(count, 5)`` within their limits."""
+    return np.random.default_rng(seed).uniform(-ACTION_LIMIT, ACTION_LIMIT, (count, 5))
+
+
+def last_state(
+    environment: RobosuiteEnvironment, state: NDArray[np.float64], actions: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the state that actions lead to."""
+    environment.set_state(state)
+    for action in actions:
+        environment.step(action)
+    return environment.get_state()
+
+
+def put(environment: RobosuiteEnvironment, *positions: ArrayLike, speed: float = 0.0) -> None:
+    """Put each object somewhere [m] at yaw 0; the first one moves along x [m/s]."""
+    environment.reset(seed=0)
+    scene = environment.scene()
+    objects = [[*np.asarray(position), 1.0, 0.0, 0.0, 0.0] for position in positions]
+    joints = np.concatenate([scene.joint_positions, [0.04, -0.04], *objects])
+    velocities = np.zeros(9 + 6 * len(objects))
+    velocities[9] = speed
+    environment.set_joint_state(joints, velocities)
+
+
 def far_apart(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     """Return the greatest difference of two states."""
     return float(np.abs(first - second).max())

@@ -4,28 +4,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prime_core.environment import ACTION_LIMIT
 from prime_core.errors import PrimeError
 from prime_envs_robosuite.adapter import check_control_law
 from prime_envs_robosuite.config import LiftConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
-State = NDArray[np.float64]
-
-
-def random_actions(count: int, seed: int) -> State:
-    return np.random.default_rng(seed).uniform(-ACTION_LIMIT, ACTION_LIMIT, (count, 5))
-
-
-def last_state(environment: RobosuiteEnvironment, state: State, actions: State) -> State:
-    environment.set_state(state)
-    for action in actions:
-        environment.step(action)
-    return environment.get_state()
-
-
-def difference(first: State, second: State) -> float:
-    return float(np.abs(first - second).max())
+from .conftest import far_apart, last_state, random_actions
 
 
 def test_one_free_step_equals_stock_to_rounding(
@@ -35,7 +19,7 @@ def test_one_free_step_equals_stock_to_rounding(
     for action in random_actions(25, seed=1):
         before = milk.get_state()
         expected = last_state(stock_milk, before, action[None])
-        assert difference(last_state(milk, before, action[None]), expected) <= 1e-9
+        assert far_apart(last_state(milk, before, action[None]), expected) <= 1e-9
         assert milk.scene().held is None
 
 
@@ -44,7 +28,7 @@ def test_lift_takes_the_same_steps_as_stock(lift: RobosuiteEnvironment) -> None:
     lift.reset(seed=2)
     state = lift.get_state()
     actions = random_actions(3, seed=2)
-    assert difference(last_state(lift, state, actions), last_state(stock, state, actions)) <= 1e-9
+    assert far_apart(last_state(lift, state, actions), last_state(stock, state, actions)) <= 1e-9
 
 
 def test_both_ways_reset_to_the_same_state(
@@ -56,15 +40,15 @@ def test_both_ways_reset_to_the_same_state(
 
 
 def test_with_contact_it_diverges_no_more_than_stock_from_itself(
-    milk: RobosuiteEnvironment, stock_milk: RobosuiteEnvironment, held_milk: State
+    milk: RobosuiteEnvironment, stock_milk: RobosuiteEnvironment, held_milk: NDArray[np.float64]
 ) -> None:
     actions = random_actions(100, seed=4) * 0.3
     actions[:, 4] = 1.0
     expected = last_state(stock_milk, held_milk, actions)
-    own = difference(last_state(milk, held_milk, actions)[:30], expected[:30])
+    own = far_apart(last_state(milk, held_milk, actions)[:30], expected[:30])
     nudged = held_milk.copy()
     nudged[1] += 1e-15  # the first joint; index 0 is the time
-    chaos = difference(last_state(stock_milk, nudged, actions)[:30], expected[:30])
+    chaos = far_apart(last_state(stock_milk, nudged, actions)[:30], expected[:30])
     assert stock_milk.scene().held == "milk"
     # These differ by a factor from run to run; a wrong control law is many decades above.
     assert own <= 10 * chaos

@@ -80,9 +80,7 @@ class InverseKinematics:
             for names in (robot.hand_geoms, robot.furniture_geoms)
         )
         data = self._configuration.data
-        self._clearance = Clearance(
-            self._model, data, self._hand, self._furniture, NOTICE_DISTANCE
-        )
+        self._clearance = Clearance(self._model, data, self._hand, self._furniture, NOTICE_DISTANCE)
         self._collision_limit = mink.CollisionAvoidanceLimit(
             self._model,
             [(self._hand, self._furniture)],
