@@ -55,7 +55,7 @@ def views(environment: Environment) -> NDArray[np.uint8]:
 
 
 def main() -> None:
-    """Build, look and draw.
+    """Build, look and draw."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path(__file__).with_name("environments.png"))
     out = parser.parse_args().out

@@ -6,6 +6,7 @@ import pytest
 from prime_core.checks import check_primitive
 from prime_core.environment import Environment
 from prime_core.primitive import Primitive
+from prime_envs_robosuite.config import TidyUpConfig
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig
@@ -65,6 +66,16 @@ def test_goals_inside_furniture_are_refused(milk: World) -> None:
     scene = milk.environment.scene()
     # A finger would stand in the wall between the two bins.
     assert not milk.reach.reachable(scene, np.array([0.1, 0.02, 0.83, 0.0]))
+
+
+def test_goals_with_the_hand_in_a_thin_wall_are_refused() -> None:
+    environment = TidyUpConfig(variant="A").build()
+    environment.reset(seed=0)
+    reach = ReachConfig().build(environment.description)
+    scene = environment.scene()
+    # Beside a bin whose wall is 1 cm thick: the palm is across it, or along it.
+    assert not reach.reachable(scene, np.array([-0.1, 0.0, 0.826, np.pi / 2]))
+    assert reach.reachable(scene, np.array([-0.1, 0.0, 0.826, 0.0]))
 
 
 def test_grasps_from_the_prior_succeed(world: World) -> None:
