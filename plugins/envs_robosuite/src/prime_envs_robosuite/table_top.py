@@ -94,8 +94,9 @@ class Box:
 
     def grasp_yaws(self) -> tuple[float, ...]:
         """Return the gripper's yaws relative to the box at which it fits between the fingers."""
-        long, wide = (2 * half < WIDEST_GRIP for half in self.half_size[:2])
-        return ((0.0,) if wide else ()) + (QUARTER_TURN if long else ())
+        across_x, across_y = (2 * half < WIDEST_GRIP for half in self.half_size[:2])
+        # The fingers close along the gripper's y axis.
+        return ((0.0,) if across_y else ()) + (QUARTER_TURN if across_x else ())
 
 
 @dataclass(frozen=True)

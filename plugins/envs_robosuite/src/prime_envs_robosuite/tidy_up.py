@@ -100,8 +100,10 @@ class TidyUpTask(TableTopTask):
 
     Solved when they are there, at rest, and no finger touches one.
 
-    The paper's release has bins whose floors are 0.12 to 0.14 m wide; here all are 0.14 m, the
-    width that success is measured by, with the walls around it. Looks are our own.
+    The release's bins are 0.24 m long and 0.12 to 0.14 m wide; here all are 0.14 m wide, walls
+    included, and success is measured by that. The start regions are the release's, for the boxes'
+    centres. In A the smaller box often starts where the hand does not fit between the bins' walls,
+    in B, C and D seldom. Looks are our own.
 
     Args:
         variant: Where bins and mats are, and how they look.
