@@ -9,9 +9,10 @@ from prime_core.hookspecs import Register, hookimpl
 @hookimpl
 def register_environments(register: Register) -> None:
     """Register the environments of this pack."""
-    from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+    from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 
     register("robosuite/lift", LiftConfig)
+    register("robosuite/nut-assembly", NutAssemblyConfig)
     register("robosuite/pick-place", PickPlaceConfig)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
-from prime_envs_robosuite.task import Motion, Placement, Task, sampler_placement
+from prime_envs_robosuite.task import Motion, Placement, Task, is_let_go, sampler_placement
 
 Grocery = Literal["milk", "bread", "cereal", "can"]
 
@@ -20,9 +20,6 @@ BIN_DEPTH = 0.1  # an object counts as inside below this height over the bin's f
 PLACE_SPOTS = ((0.0025, 0.1575), (0.1975, 0.1575), (0.0025, 0.4025), (0.15, 0.345))
 PLACE_HEIGHT = 0.98  # of the gripper when it lets go [m]
 RELEASE_DISTANCE = 0.0424  # robosuite's own threshold between gripper and object [m]
-RELEASE_OPENING = 0.06  # the fingers open to 0.08 m
-REST_SPEED = 0.05  # [m/s]
-REST_TURNING = 0.5  # [rad/s]
 
 
 @dataclass(frozen=True)
@@ -96,12 +93,8 @@ class PickPlaceTask(Task):
         """Whether the object lies in its quarter, let go of; see `Task`."""
         position = scene.object_positions[0]
         distance = float(np.linalg.norm(position - scene.gripper_position))
-        released = (
-            not touched and scene.gripper_opening > RELEASE_OPENING and distance > RELEASE_DISTANCE
-        )
-        motion = motions[0]
-        at_rest = motion.speed < REST_SPEED and motion.turning < REST_TURNING
-        return released and at_rest and in_quarter(position, self.shape.quarter)
+        released = is_let_go(scene, touched) and distance > RELEASE_DISTANCE
+        return released and motions[0].is_rest and in_quarter(position, self.shape.quarter)
 
 
 def quarter_centre(quarter: int) -> np.ndarray[Any, np.dtype[np.float64]]:

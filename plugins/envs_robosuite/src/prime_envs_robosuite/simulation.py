@@ -103,7 +103,7 @@ class Simulation:
         positions[self.panda.finger_addresses] = robot.gripper["right"].init_qpos
         for placement, address in zip(self._placements, self._object_addresses, strict=True):
             spot = rng.uniform(placement.low, placement.high)
-            half = rng.uniform(0.0, 2.0 * np.pi) / 2
+            half = rng.uniform(*placement.yaws) / 2
             turned = np.empty(4)
             yaw = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
             mujoco.mju_mulQuat(turned, yaw, np.array(placement.quaternion))

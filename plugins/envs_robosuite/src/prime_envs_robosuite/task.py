@@ -5,24 +5,32 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from prime_core.scene import Affordance, ObjectDescription, Scene
+
+RELEASE_OPENING = 0.06  # the fingers open to 0.08 m
+REST_SPEED = 0.05  # [m/s]
+REST_TURNING = 0.5  # [rad/s]
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where an object may lie at the start; its yaw is uniform.
+    """Where an object may lie at the start; place and yaw are uniform.
 
     Attributes:
         low: Smallest x and y of the object's centre [m], world frame.
         high: Greatest x and y [m].
         height: z of the object's centre [m].
         quaternion: Its orientation at yaw 0, ``(4,)``, w-x-y-z.
+        yaws: Smallest and greatest yaw [rad].
     """
 
     low: tuple[float, float]
     high: tuple[float, float]
     height: float
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    yaws: tuple[float, float] = (0.0, 2.0 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -36,6 +44,11 @@ class Motion:
 
     speed: float
     turning: float
+
+    @property
+    def is_rest(self) -> bool:
+        """Whether it is slow enough to be called none."""
+        return self.speed < REST_SPEED and self.turning < REST_TURNING
 
 
 class Task(ABC):
@@ -80,6 +93,16 @@ class Task(ABC):
             touched: Whether a finger touches any of the objects.
             motions: How each object moves.
         """
+
+
+def is_let_go(scene: Scene, touched: bool) -> bool:
+    """Whether the gripper is open and touches nothing.
+
+    Args:
+        scene: The scene now.
+        touched: Whether a finger touches any of the objects.
+    """
+    return not touched and scene.gripper_opening > RELEASE_OPENING
 
 
 def sampler_placement(sampler: Any, body: Any) -> Placement:
