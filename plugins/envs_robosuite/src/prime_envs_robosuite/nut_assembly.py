@@ -8,6 +8,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
+from prime_envs_robosuite.jobs import Job, PutOnto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task, is_let_go, sampler_placement
 
 Nut = Literal["round", "square"]
@@ -15,6 +16,7 @@ InitialRange = Literal["paper", "robosuite"]
 
 TABLE_TOP = 0.82
 PEG_TOP = 0.95  # world height [m]
+NUT_HALF_HEIGHT = 0.01  # [m]
 # The fingers reach 11 mm below the gripper's position: at the nut's centre they would scrape the
 # table [m].
 GRIP_HEIGHT = (0.004, 0.006)
@@ -22,6 +24,8 @@ GRIP_HEIGHT = (0.004, 0.006)
 # out 0.73 m, has its elbow all but as straight as the primitives allow; from higher up the peg
 # the nut slides down as well [m].
 PLACE_HEIGHT = (0.87, 0.93)
+# The gripper stays nearer than this to the arm's base, or its elbow is all but straight.
+EASY_REACH = Reach(base=(-0.56, 0.0), distance=0.745)
 ON_PEG_DISTANCE = 0.03  # robosuite's threshold between nut and peg in x and in y [m]
 ON_PEG_HEIGHT = 0.05  # and of the nut's centre above the table [m]
 TOWARDS_ROBOT = (np.pi / 2, 3 * np.pi / 2)  # yaws of the paper's first states [rad]
@@ -79,6 +83,7 @@ class NutAssemblyTask(Task):
         self.kind = kind
         self.initial_range = initial_range
         self.shape = SHAPES[kind]
+        self.words = f"put the {kind} nut around its peg"
         self.objects = (ObjectDescription("nut", yaw_symmetry=1),)  # the handle shows its yaw
         self.body_names = (self.shape.body_name,)
         low, high = self.shape.workspace_y
@@ -108,6 +113,21 @@ class NutAssemblyTask(Task):
             Affordance("place", None, (*peg, low), (*peg, high), yaws, of_held=True),
             Affordance("reach", "nut", (handle, 0.0, upper), (handle, 0.0, 0.1), (0.0,)),
             Affordance("reach", None, above, above, yaws, of_held=True),
+        )
+
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do; see `Task`."""
+        rest = TABLE_TOP + NUT_HALF_HEIGHT
+        return (
+            PutOnto(
+                object_name="nut",
+                point=(*self.shape.peg, rest),
+                reach=EASY_REACH,
+                clearance=PEG_TOP + NUT_HALF_HEIGHT + 0.01 - rest,
+                drop=(0.03, 0.06),
+                yaws=None if self.kind == "round" else self.shape.yaws,
+                care=1.2,
+            ),
         )
 
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[Motion]) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_envs_robosuite.jobs import Job
 
 RELEASE_OPENING = 0.06  # the fingers open to 0.08 m
 REST_SPEED = 0.05  # [m/s]
@@ -55,6 +56,7 @@ class Task(ABC):
     """A robosuite task as data, and its success check.
 
     Attributes:
+        words: What is to be done.
         objects: The objects, in the scene's order.
         body_names: Their names in robosuite, without the ``_main`` of the body.
         workspace_low: Lower corner of the gripper's box [m], world frame.
@@ -62,6 +64,7 @@ class Task(ABC):
         lift_height: World height at which the gripper travels [m].
     """
 
+    words: str
     objects: tuple[ObjectDescription, ...]
     body_names: tuple[str, ...]
     workspace_low: tuple[float, float, float]
@@ -83,6 +86,10 @@ class Task(ABC):
     @abstractmethod
     def affordances(self) -> tuple[Affordance, ...]:
         """Return where actions make sense."""
+
+    @abstractmethod
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do, one job after another."""
 
     @abstractmethod
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[Motion]) -> bool:
