@@ -126,7 +126,7 @@ class NutAssemblyTask(Task):
                 clearance=PEG_TOP + NUT_HALF_HEIGHT + 0.01 - rest,
                 drop=(0.03, 0.06),
                 yaws=None if self.kind == "round" else self.shape.yaws,
-                care=1.2,
+                care=0.5,
             ),
         )
 

@@ -147,7 +147,13 @@ class Hand:
         return scene
 
     def reach(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
-        """Move far: arrive inexactly, run past the goal, pause, and correct.
+        """Move far: arrive inexactly, pause, and correct; see `swing`."""
+        scene = yield from self.swing(scene, goal, yaw, hesitate)
+        scene = yield from self.pause(scene, 0.6)
+        return (yield from self.move(scene, goal, yaw))
+
+    def swing(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
+        """Move far, to somewhere near the goal and a little past it.
 
         Args:
             scene: The scene now.
@@ -160,9 +166,7 @@ class Hand:
         past = style.overshoot * way / max(float(np.linalg.norm(way)), 0.1)
         missed = goal + past + self._generator.normal(0.0, style.aim, 3)
         turned = yaw + self._generator.normal(0.0, style.yaw_aim)
-        scene = yield from self.move(scene, missed, float(turned), hesitate)
-        scene = yield from self.pause(scene, 0.6)
-        return (yield from self.move(scene, goal, yaw))
+        return (yield from self.move(scene, missed, float(turned), hesitate))
 
     def _path(self, start: Array, goal: Array, bow: float) -> Array:
         """Return the control points ``(4, 3)`` of a curve bent to a side and upwards."""

@@ -198,7 +198,7 @@ class Person:
         return (yield from hand.wait(scene, int(draw.integers(5, 15))))
 
     def _carry_over(self, scene: Scene, job: PutOnto) -> Movement:
-        """Lift the object and bring its centre above the point that it goes to."""
+        """Lift the object and bring its centre roughly above the point that it goes to."""
         hand, draw = self.hand, self._generator
         yaw = choose_yaw(scene, job, draw)
         clear = goal_point(scene, job) + (job.clearance + draw.uniform(0.0, 0.02)) * UP
@@ -207,7 +207,7 @@ class Person:
         if scene.held is None:
             return scene
         above = bringing(scene, job.object_name, clear, yaw)
-        return (yield from hand.reach(scene, above, yaw, bool(draw.random() < 0.4)))
+        return (yield from hand.swing(scene, above, yaw, bool(draw.random() < 0.4)))
 
     def _fit(self, scene: Scene, job: PutOnto) -> Movement:
         """Lower the object onto its point, let go, retreat; rise and aim again where it jams."""
@@ -219,8 +219,8 @@ class Person:
             scene = yield from hand.pause(scene, 0.7)
             if job.yaws is not None:
                 yaw = choose_yaw(scene, job, draw)
-            # Look where the object is before and after the last correction.
-            for height in (job.clearance, job.clearance, drop):
+            # Look again where the object is after the correction.
+            for height in (job.clearance, drop):
                 goal = bringing(scene, name, point + height * UP, yaw)
                 scene = yield from hand.move(scene, goal, yaw, straight=True)
             if scene.held != name:
