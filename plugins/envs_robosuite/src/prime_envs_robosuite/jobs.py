@@ -91,6 +91,7 @@ class PutOnto(Taking):
         reach: Where people choose to have the gripper then.
         clearance: How far above the point its centre must be on the way there [m].
         drop: How far above the point its centre may be when it is let go of, from and to [m].
+        retreat: How far the gripper then rises, from and to [m].
         yaws: Its yaws that are good [rad]; None if any is.
         reference: The object that the point goes with, relative to its centre and along the
             axes of the world; None for a point in the world.
@@ -100,6 +101,7 @@ class PutOnto(Taking):
     reach: Reach
     clearance: float
     drop: tuple[float, float]
+    retreat: tuple[float, float]
     yaws: tuple[float, ...] | None = None
     reference: str | None = None
 

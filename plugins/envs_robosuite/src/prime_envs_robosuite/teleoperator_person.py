@@ -30,6 +30,9 @@ RELEASE_GAP = (0.001, 0.006)  # between a lowered object and the floor when let 
 UPRIGHT = 0.98  # least cosine of the angle by which an object may be tilted in the end
 DROP = 0.015  # from how much higher than wanted an object may be let go of [m]
 STROKES = 6  # of a push, from one side
+RETREAT = (0.06, 0.11)  # upwards, from what was put down [m]
+RETREAT_ASIDE = 0.01  # standard deviation [m]
+DRAW_BACK = 0.02  # from a pushed object, before rising beside it [m]
 PUSHED = 0.015  # from where a pushed object should be, near enough [m]
 
 
@@ -186,14 +189,20 @@ class Person:
         scene = yield from hand.pause(scene, 0.7)
         if scene.object_positions[index, 2] - floor > DROP:
             return scene  # An arm that cannot get down: nobody would let go here.
-        return (yield from self._let_go(scene))
+        return (yield from self._let_go(scene, RETREAT_ASIDE, RETREAT))
 
-    def _let_go(self, scene: Scene) -> Movement:
-        """Open the gripper, retreat upwards and rest."""
+    def _let_go(self, scene: Scene, aside: float, retreat: tuple[float, float]) -> Movement:
+        """Open the gripper, retreat upwards and rest.
+
+        Args:
+            scene: The scene now.
+            aside: Standard deviation of x and y of the retreat [m].
+            retreat: How far it goes upwards, from and to [m].
+        """
         hand, draw = self.hand, self._generator
         scene = yield from hand.grip(scene, OPEN)
         scene = yield from hand.pause(scene, 0.3)
-        away = np.append(draw.normal(0.0, 0.01, 2), draw.uniform(0.06, 0.11))
+        away = np.append(draw.normal(0.0, aside, 2), draw.uniform(*retreat))
         scene = yield from hand.move(scene, scene.gripper_position + away, scene.gripper_yaw)
         return (yield from hand.wait(scene, int(draw.integers(5, 15))))
 
@@ -227,7 +236,7 @@ class Person:
                 return scene
             scene = yield from hand.pause(scene, 0.5)
             if scene.object_positions[index, 2] - point[2] < job.drop[1] + DROP:
-                return (yield from self._let_go(scene))
+                return (yield from self._let_go(scene, 0.0, job.retreat))
         return scene
 
     def _push(self, scene: Scene, job: Push) -> Outcome:
@@ -248,6 +257,8 @@ class Person:
             yaw = float(np.clip(yaw, -GREATEST_YAW, GREATEST_YAW))
             scene = yield from self._come_down_beside(scene, job, direction, yaw)
             scene = yield from self._push_on(scene, job, target, direction)
+            back = scene.gripper_position - np.append(DRAW_BACK * direction, 0.0)
+            scene = yield from hand.move(scene, back, yaw, straight=True)
             rise = scene.description.lift_height - scene.gripper_position[2]
             scene = yield from hand.move(scene, scene.gripper_position + rise * UP, yaw)
         return scene, False
