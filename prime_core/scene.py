@@ -54,7 +54,8 @@ class Affordance:
     """A place where an action makes sense: the centre of a primitive's parameter prior.
 
     The centre is uniform in a box. Relative to an object, the box is in the object's own
-    yaw frame (z up); otherwise in the world frame.
+    yaw frame (z up); otherwise in the world frame. It is where the gripper goes, or, of what
+    is held, where the gripper brings the centre of the object that it holds.
 
     Attributes:
         action: What can be done there: ``"grasp"``, ``"place"``, ``"reach"``, ``"push"``, or
@@ -62,8 +63,10 @@ class Affordance:
         reference: The object that the box goes with, or None for the world.
         low: Lower corner of the box of centres [m], ``(3,)``.
         high: Upper corner [m], ``(3,)``.
-        yaws: Gripper yaws that make sense [rad], relative to the object's yaw if there is a
-            reference; None where any yaw does.
+        yaws: Yaws that make sense [rad], of the gripper or of what is held, relative to the
+            reference's yaw if there is one; None where any yaw does.
+        of_held: Whether box and yaws are those of the object that the gripper holds. It then
+            says nothing while nothing is held.
     """
 
     action: str
@@ -71,6 +74,7 @@ class Affordance:
     low: tuple[float, float, float]
     high: tuple[float, float, float]
     yaws: tuple[float, ...] | None = None
+    of_held: bool = False
 
 
 @dataclass(frozen=True)

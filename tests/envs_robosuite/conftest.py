@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from prime_core.environment import ACTION_LIMIT
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 GAIN = 3.0  # the controller covers about a third of the commanded distance in a step
@@ -41,9 +41,11 @@ class Hand:
         """Grasp the first object where its affordance says, and lift it."""
         scene = self.environment.scene()
         spot = scene.description.affordances_for("grasp")[0]
-        height = (spot.low[2] + spot.high[2]) / 2
-        target = scene.object_positions[0] + [0.0, 0.0, height]
-        yaw = float(yaw_of(scene.object_quaternions[0])) + (spot.yaws or (0.0,))[0]
+        own_yaw = float(yaw_of(scene.object_quaternions[0]))
+        forward, aside, height = np.mean((spot.low, spot.high), axis=0)
+        direction = np.exp(1j * own_yaw) * (forward + 1j * aside)
+        target = scene.object_positions[0] + [direction.real, direction.imag, height]
+        yaw = own_yaw + (spot.yaws or (0.0,))[0]
         lift = scene.description.lift_height
         self.move([target[0], target[1], lift], yaw, OPEN, 80)
         self.move(target, yaw, OPEN)
@@ -105,6 +107,14 @@ def lift() -> Iterator[RobosuiteEnvironment]:
 @pytest.fixture(scope="session")
 def milk() -> Iterator[RobosuiteEnvironment]:
     environment = PickPlaceConfig().build()
+    assert isinstance(environment, RobosuiteEnvironment)
+    yield environment
+    environment.close()
+
+
+@pytest.fixture(scope="session")
+def nut() -> Iterator[RobosuiteEnvironment]:
+    environment = NutAssemblyConfig().build()
     assert isinstance(environment, RobosuiteEnvironment)
     yield environment
     environment.close()

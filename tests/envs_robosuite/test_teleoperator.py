@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from prime_core.demonstration import Demonstration
 from prime_core.environment import ACTION_LIMIT, Environment, EnvironmentConfig
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
 
@@ -92,6 +92,20 @@ def test_the_object_is_lowered_and_not_dropped(milk_shown: list[Demonstration]) 
         heights = object_path(shown)[:, 2]
         assert heights[last_held] - heights[-1] < 0.015
         assert np.ptp(object_path(shown)[-5:], axis=0).max() < 1e-3
+
+
+@pytest.mark.parametrize("kind", ["round", "square"])
+def test_a_nut_ends_around_its_peg_let_go_of(kind: str) -> None:
+    settings = NutAssemblyConfig(nut=kind)  # type: ignore[arg-type]
+    environment = settings.build()
+    for index in range(2):
+        shown = PEOPLE.demonstrate(settings, index, SEED)
+        assert shown.task == f"put the {kind} nut around its peg"
+        environment.set_state(states(shown)[-1])
+        assert environment.is_success()
+        assert shown.frames.state[-1, 7] > 0.06
+        assert np.ptp(object_path(shown)[-5:], axis=0).max() < 1e-3
+    environment.close()
 
 
 def test_lift_ends_held_up(lift_shown: list[Demonstration], lift: RobosuiteEnvironment) -> None:

@@ -8,7 +8,7 @@ import pytest
 from prime_core.environment import Environment
 from prime_core.execution import Execution, run_primitive, settle
 from prime_core.primitive import Primitive
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig
@@ -66,6 +66,13 @@ def milk() -> Iterator[World]:
 @pytest.fixture(scope="session")
 def lift() -> Iterator[World]:
     environment = LiftConfig().build()
+    yield World(environment)
+    environment.close()
+
+
+@pytest.fixture(scope="session")
+def nut() -> Iterator[World]:
+    environment = NutAssemblyConfig().build()
     yield World(environment)
     environment.close()
 

@@ -5,6 +5,7 @@ import pytest
 
 from prime_core.checks import check_primitive
 from prime_core.environment import Environment
+from prime_core.execution import settle
 from prime_core.primitive import Primitive
 from prime_envs_robosuite.config import TidyUpConfig
 from prime_primitives_scripted.grasp import GraspConfig
@@ -105,6 +106,23 @@ def test_places_from_the_prior_succeed(world: World) -> None:
         successes.append(succeeded)
         assert execution.steps <= 80
     assert np.mean(successes) >= 0.6
+
+
+def test_a_nut_is_put_around_its_peg_by_a_grasp_and_a_place(nut: World) -> None:
+    exact = PlaceConfig(position_std=(0.0, 0.0, 0.0), yaw_std=0.0)
+    place = exact.build(nut.environment.description)
+    generator = np.random.default_rng(0)
+    solved, taken_off = [], []
+    for seed in range(8):
+        nut.pick(seed)
+        nut.run(place, nut.draw(place, generator))
+        settle(nut.environment)
+        solved.append(nut.environment.is_success())
+        nut.run(nut.grasp, nut.draw(nut.grasp, generator))
+        nut.run(nut.reach, np.array([-0.1, -0.15, 0.95, 0.0]))
+        taken_off.append(nut.environment.scene().held == "nut")
+    assert np.mean(solved) >= 0.8
+    assert np.mean(taken_off) >= 0.6
 
 
 def test_held_stays_held_on_the_way(world: World) -> None:

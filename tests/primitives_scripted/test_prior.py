@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from prime_core.primitive import Primitive
+from prime_core.rotations import wrap_angle
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
@@ -77,3 +78,56 @@ def test_draws_are_within_the_bounds() -> None:
     drawn = draws(reach, scene_at(), 50)
     assert all(reach.parameter_space.contains(item) for item in drawn)
     assert np.all(np.abs(drawn[:, 3]) <= np.pi / 2 + 1e-9)
+
+
+def centres_of_held(drawn: np.ndarray, scene: Scene) -> np.ndarray:
+    """Return x and y of the held block's centre once the gripper is at each draw, ``(N, 2)``."""
+    away = scene.object_positions[0, :2] - scene.gripper_position[:2]
+    turns = wrap_angle(drawn[:, 3] - scene.gripper_yaw, np.pi)
+    turned = np.exp(1j * turns) * complex(*away)
+    return drawn[:, :2] + np.stack((turned.real, turned.imag), axis=1)
+
+
+def held_by_its_end(*affordances: Affordance) -> Scene:
+    """Return a scene in which the gripper holds the block 6 cm from its centre."""
+    description = replace(DESCRIPTION, affordances=affordances)
+    scene = scene_at(position=(0.16, -0.1, 0.83), yaw=0.4, held="block", block_yaw=0.4)
+    return replace(scene, description=description)
+
+
+PEG = Affordance("place", None, (0.0, 0.1, 0.9), (0.0, 0.1, 0.9), of_held=True)
+
+
+def test_what_is_held_is_brought_to_a_place_of_its_own_at_any_yaw() -> None:
+    scene = held_by_its_end(PEG)
+    place = PlaceConfig(position_std=(0.0, 0.0, 0.0), yaw_std=0.0).build(scene.description)
+    drawn = draws(place, scene)
+    assert np.ptp(drawn[:, 3]) > 2.0
+    assert np.abs(centres_of_held(drawn, scene) - [0.0, 0.1]).max() < 1e-9
+    assert drawn[:, 2] == pytest.approx(0.9 + 0.01)  # it is held 1 cm above its centre
+
+
+def test_what_is_held_gets_the_yaws_of_its_place() -> None:
+    scene = held_by_its_end(replace(PEG, yaws=(1.0, -3.0)))  # to -3.0 it would have to turn over
+    place = PlaceConfig(position_std=(0.0, 0.0, 0.0), yaw_std=0.0).build(scene.description)
+    drawn = draws(place, scene, 20)
+    assert drawn[:, 3] == pytest.approx(1.0)
+    assert np.abs(centres_of_held(drawn, scene) - [0.0, 0.1]).max() < 1e-9
+
+
+def test_what_is_held_can_go_onto_another_object() -> None:
+    onto = Affordance("place", "anvil", (0.01, 0.0, 0.05), (0.01, 0.0, 0.05), (0.0,), of_held=True)
+    scene = held_by_its_end(onto)
+    scene.object_quaternions[1] = [np.cos(0.1), 0.0, 0.0, np.sin(0.1)]
+    place = PlaceConfig(position_std=(0.0, 0.0, 0.0), yaw_std=0.0).build(scene.description)
+    drawn = draws(place, scene, 20)
+    assert drawn[:, 3] == pytest.approx(0.2)
+    spot = np.array([-0.2 + 0.01 * np.cos(0.2), 0.2 + 0.01 * np.sin(0.2)])
+    assert np.abs(centres_of_held(drawn, scene) - spot).max() < 1e-9
+
+
+def test_places_of_what_is_held_say_nothing_to_an_empty_gripper() -> None:
+    above = Affordance("reach", None, (-0.2, 0.0, 1.0), (-0.2, 0.0, 1.0))
+    scene = replace(held_by_its_end(replace(PEG, action="reach"), above), held=None)
+    drawn = draws(ReachConfig().build(scene.description), scene)
+    assert np.abs(drawn[:, 0] + 0.2).max() < 0.03

@@ -12,12 +12,14 @@ def register_environments(register: Register) -> None:
     from prime_envs_robosuite.config import (
         CleanUpConfig,
         LiftConfig,
+        NutAssemblyConfig,
         PickPlaceConfig,
         TidyUpConfig,
     )
 
     register("robosuite/clean-up", CleanUpConfig)
     register("robosuite/lift", LiftConfig)
+    register("robosuite/nut-assembly", NutAssemblyConfig)
     register("robosuite/pick-place", PickPlaceConfig)
     register("robosuite/tidy-up", TidyUpConfig)
 

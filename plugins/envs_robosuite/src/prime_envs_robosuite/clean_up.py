@@ -6,7 +6,9 @@ import numpy as np
 
 from prime_core.rotations import yaw_of
 from prime_core.scene import Affordance, Scene
+from prime_envs_robosuite.jobs import Job, PutOnto
 from prime_envs_robosuite.table_top import (
+    EASY_REACH,
     Array,
     Bin,
     Box,
@@ -14,6 +16,7 @@ from prime_envs_robosuite.table_top import (
     Look,
     Mat,
     TableTopTask,
+    push_job,
 )
 
 Variant = Literal["bin", "stack"]
@@ -62,6 +65,24 @@ class CleanUpTask(TableTopTask):
     def __init__(self, variant: Variant) -> None:
         super().__init__(Layout((POPCORN, BUTTER), (BIN,), (SERVING_MAT,)))
         self.variant = variant
+        target = "into the bin" if variant == "bin" else "on top of it"
+        self.words = f"push the popcorn box to the serving area and put the butter {target}"
+
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do; see `Task`."""
+        push = push_job(POPCORN, SERVING_AREA, SERVING_REACH / 2)
+        if self.variant == "bin":
+            return (push, BIN.job(BUTTER.name, part=0, parts=1))
+        stack = PutOnto(
+            object_name=BUTTER.name,
+            point=(0.0, 0.0, POPCORN.half_size[2] + BUTTER.half_size[2]),
+            reach=EASY_REACH,
+            clearance=0.06,
+            drop=(0.002, RELEASE_GAP),
+            retreat=(0.06, 0.11),
+            reference=POPCORN.name,
+        )
+        return (push, stack)
 
     def affordances(self) -> tuple[Affordance, ...]:
         """Return where actions make sense; see `Task`."""

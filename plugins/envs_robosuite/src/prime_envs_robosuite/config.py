@@ -42,6 +42,30 @@ class LiftConfig(RobosuiteConfig):
         )
 
 
+class NutAssemblyConfig(RobosuiteConfig):
+    """robosuite's NutAssembly with one nut: put it around its peg and let go."""
+
+    nut: Literal["round", "square"] = "round"
+    """The nut to move, to the peg of its shape."""
+
+    initial_range: Literal["paper", "robosuite"] = "paper"
+    """How the nut may lie at the start: ``paper`` with its handle on the robot's side,
+    ``robosuite`` at any yaw."""
+
+    def build(self) -> Environment:
+        """Make the environment."""
+        from prime_envs_robosuite.environment import RobosuiteEnvironment
+        from prime_envs_robosuite.nut_assembly import NutAssemblyTask
+
+        return RobosuiteEnvironment(
+            NutAssemblyTask(self.nut, self.initial_range),
+            self.stepping,
+            self.cameras,
+            self.image_size,
+            self.horizon,
+        )
+
+
 class PickPlaceConfig(RobosuiteConfig):
     """robosuite's PickPlace with one object: put it into its own quarter and let go."""
 

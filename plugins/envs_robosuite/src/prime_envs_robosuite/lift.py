@@ -6,6 +6,7 @@ from typing import Any
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
+from prime_envs_robosuite.jobs import HoldUp, Job
 from prime_envs_robosuite.task import Motion, Placement, Task, sampler_placement
 
 TABLE_TOP = 0.8
@@ -19,6 +20,7 @@ class LiftTask(Task):
     Solved when the cube is held with its centre more than 0.04 m above the table.
     """
 
+    words = "lift the cube"
     objects = (ObjectDescription("cube", yaw_symmetry=4),)
     body_names = ("cube",)
     # The arm's base is at x = -0.56: the far corners are within its reach of 0.82 m.
@@ -52,6 +54,10 @@ class LiftTask(Task):
             ),
             Affordance("place", None, (-0.1, -0.15, low), (0.1, 0.15, high)),
         )
+
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do; see `Task`."""
+        return (HoldUp(object_name="cube", care=1.8),)
 
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[Motion]) -> bool:
         """Whether the cube is held above the table; see `Task`."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
-from prime_envs_robosuite.task import Motion, Placement, Task, sampler_placement
+from prime_envs_robosuite.jobs import Job, PutInto, Reach, Room
+from prime_envs_robosuite.task import Motion, Placement, Task, is_let_go, sampler_placement
 
 Grocery = Literal["milk", "bread", "cereal", "can"]
 
@@ -19,8 +20,13 @@ BIN_DEPTH = 0.1  # an object counts as inside below this height over the bin's f
 # elbow locks with the gripper pointing down, so its spot is moved to 0.79 m [m].
 PLACE_SPOTS = ((0.0025, 0.1575), (0.1975, 0.1575), (0.0025, 0.4025), (0.15, 0.345))
 PLACE_HEIGHT = 0.98  # of the gripper when it lets go [m]
+WALL_TOP = 0.9  # world height [m]
+WALL_HALF_THICKNESS = 0.01  # of the bins [m]
+WALL_MARGIN = 0.045  # between where people put an object and the border of its quarter [m]
+TAKEN_FROM = Room(low=(-0.09, -0.49), high=(0.29, -0.01), top=WALL_TOP)  # the first bin
+# Of the arm before robosuite's bins; farther out its elbow is all but straight.
+EASY_REACH = Reach(base=(-0.5, -0.1), distance=0.78)
 RELEASE_DISTANCE = 0.0424  # robosuite's own threshold between gripper and object [m]
-RELEASE_OPENING = 0.06  # the fingers open to 0.08 m
 
 
 @dataclass(frozen=True)
@@ -67,6 +73,7 @@ class PickPlaceTask(Task):
     def __init__(self, kind: Grocery) -> None:
         self.kind = kind
         self.shape = SHAPES[kind]
+        self.words = f"put the {kind} into its bin"
         self.objects = (ObjectDescription(kind, yaw_symmetry=self.shape.yaw_symmetry),)
         self.body_names = (kind.capitalize(),)
 
@@ -90,13 +97,27 @@ class PickPlaceTask(Task):
         above = [Affordance("reach", None, corner, corner) for corner in corners]
         return (grasp, *places, reach, *above)
 
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do; see `Task`."""
+        inner, aim = (
+            _shrunk_quarter(self.shape.quarter, by) for by in (WALL_HALF_THICKNESS, WALL_MARGIN)
+        )
+        return (
+            PutInto(
+                object_name=self.kind,
+                taken_from=TAKEN_FROM,
+                room=Room(*inner, top=WALL_TOP),
+                low=aim[0],
+                high=aim[1],
+                reach=EASY_REACH,
+            ),
+        )
+
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[Motion]) -> bool:
         """Whether the object lies in its quarter, let go of; see `Task`."""
         position = scene.object_positions[0]
         distance = float(np.linalg.norm(position - scene.gripper_position))
-        released = (
-            not touched and scene.gripper_opening > RELEASE_OPENING and distance > RELEASE_DISTANCE
-        )
+        released = is_let_go(scene, touched) and distance > RELEASE_DISTANCE
         return released and motions[0].at_rest and in_quarter(position, self.shape.quarter)
 
 
@@ -121,3 +142,16 @@ def in_quarter(position: np.ndarray[Any, np.dtype[np.float64]], quarter: int) ->
     floor = BIN_POSITION[2]
     inside = bool(np.all(aside < np.array(QUARTER_SIZE) / 2))
     return inside and bool(floor < position[2] < floor + BIN_DEPTH)
+
+
+def _shrunk_quarter(quarter: int, margin: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the least and the greatest x and y that are well inside of a quarter [m].
+
+    Args:
+        quarter: As for `quarter_centre`.
+        margin: What to stay away from its border [m].
+    """
+    half = np.array(QUARTER_SIZE) / 2
+    corners = quarter_centre(quarter) + np.stack((-half, half))
+    (low_x, low_y), (high_x, high_y) = corners + margin * np.array([[1.0], [-1.0]])
+    return (float(low_x), float(low_y)), (float(high_x), float(high_y))

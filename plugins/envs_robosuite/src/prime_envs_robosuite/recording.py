@@ -8,13 +8,7 @@ from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
 from prime_core.frames import Frames
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY
-from prime_envs_robosuite.config import (
-    CleanUpConfig,
-    LiftConfig,
-    PickPlaceConfig,
-    RobosuiteConfig,
-    TidyUpConfig,
-)
+from prime_envs_robosuite.config import RobosuiteConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 ACTION_WIDTH = 5
@@ -42,20 +36,6 @@ def build_for_recording(environment: EnvironmentConfig, source: str) -> Robosuit
     built = plain.build()
     assert isinstance(built, RobosuiteEnvironment)
     return built
-
-
-def task_words(environment: EnvironmentConfig) -> str:
-    """Return what is to be done in an environment, in words."""
-    if isinstance(environment, LiftConfig):
-        return "lift the cube"
-    if isinstance(environment, PickPlaceConfig):
-        return f"put the {environment.object} into its bin"
-    if isinstance(environment, TidyUpConfig):
-        return "put both small boxes into the bin and push the large one onto the mat"
-    if isinstance(environment, CleanUpConfig):
-        target = "into the bin" if environment.variant == "bin" else "on top of it"
-        return f"push the popcorn box to the serving area and put the butter {target}"
-    return "solve the task"
 
 
 class Recorder:

@@ -51,7 +51,7 @@ class RobosuiteHdf5Config(DemonstratorConfig):
         Raises:
             DatasetError: If the file is not such a recording, or not of this environment.
         """
-        from prime_envs_robosuite.recording import build_for_recording, task_words
+        from prime_envs_robosuite.recording import build_for_recording
 
         with _open(self.path) as file:
             data = _data(self.path, file)
@@ -68,7 +68,7 @@ class RobosuiteHdf5Config(DemonstratorConfig):
         built = build_for_recording(environment, NAME)
         try:
             joints = _joint_state(states, recorded, built.description.objects[0].name)
-            shown = _restore(built, *joints, motor_actions(actions), task_words(environment))
+            shown = _restore(built, *joints, motor_actions(actions))
             if not built.is_success():
                 raise DatasetError(f"{self.path}: data/{name} does not end in success")
         finally:
@@ -193,7 +193,6 @@ def _restore(
     positions: Array,
     velocities: Array,
     actions: Array,
-    task: str,
 ) -> Demonstration:
     """Read every recorded state as the environment sees it.
 
@@ -202,7 +201,6 @@ def _restore(
         positions: ``qpos`` of each frame, ``(N, nq)``.
         velocities: ``qvel`` of each frame, ``(N, nv)``.
         actions: Motor actions, ``(N, 5)``.
-        task: What is done, in words.
     """
     from prime_envs_robosuite.recording import Recorder
     from prime_envs_robosuite.stepping import GRIPPER_SPEED
@@ -216,7 +214,7 @@ def _restore(
         recorder.add(action)
         # Not recorded, but robosuite adds the commands up just so.
         gripper = float(np.clip(gripper + GRIPPER_SPEED * action[4], -1.0, 1.0))
-    return recorder.finish(float(actions[-1, 4]), task)
+    return recorder.finish(float(actions[-1, 4]), environment.task.words)
 
 
 def _joint_state(states: Array, recorded: Sequence[str], wanted: str) -> tuple[Array, Array]:

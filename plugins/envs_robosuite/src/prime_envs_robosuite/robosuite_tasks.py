@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 from robosuite.environments.manipulation.lift import Lift
 from robosuite.environments.manipulation.manipulation_env import ManipulationEnv
+from robosuite.environments.manipulation.nut_assembly import NutAssembly
 from robosuite.environments.manipulation.pick_place import PickPlace
 from robosuite.models.arenas import TableArena
 from robosuite.models.objects import BoxObject, BreadObject, CanObject, CerealObject, MilkObject
@@ -62,6 +63,33 @@ class OneObjectPickPlace(PickPlace):  # type: ignore[misc]
 
     def _construct_objects(self) -> None:
         self.objects = [OBJECT_CLASSES[self.kind](name=self.kind.capitalize())]
+
+
+class OneNutAssembly(NutAssembly):  # type: ignore[misc]
+    """NutAssembly with one nut; both pegs stay.
+
+    Args:
+        nut: ``"RoundNut"`` or ``"SquareNut"``.
+        settings: As for robosuite's own class.
+    """
+
+    def __init__(self, nut: str, **settings: Any) -> None:
+        self.nut = nut
+        super().__init__(**settings)
+
+    def _load_model(self) -> None:
+        """Do what robosuite does, then leave the other nut out."""
+        self.placement_initializer = None  # robosuite's own, for both nuts
+        super()._load_model()
+        self.nuts = [nut for nut in self.nuts if nut.name == self.nut]
+        samplers = self.placement_initializer.samplers
+        for name in [name for name in samplers if name != f"{self.nut}Sampler"]:
+            del samplers[name]
+        self.model = ManipulationTask(
+            mujoco_arena=self.model.mujoco_arena,
+            mujoco_robots=self.model.mujoco_robots,
+            mujoco_objects=self.nuts,
+        )
 
 
 TABLE_SIZE = (0.8, 0.8, 0.05)  # [m]

@@ -17,7 +17,7 @@ END_EFFECTOR = "gripper"
 BASE_BODY = "robot0_base"
 MOUNT_BODY = "fixed_mount0_base"
 HAND_PREFIX = "gripper0"
-FURNITURE_BODIES = ("table", "bin0", "bin1", "bin2")
+FURNITURE_BODIES = ("table", "bin0", "bin1", "bin2", "peg1", "peg2")
 VELOCITY_LIMITS = (2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61)  # Franka's data sheet
 FINGER_STROKE = 0.04  # [m]
 QUARTER_TURN = "0.7071067811865476 0 0 0.7071067811865476"  # grip site to gripper, about z
@@ -31,7 +31,8 @@ def describe_robot(host: Any, model: Any) -> RobotDescription:
         model: The ``mujoco.MjModel`` of its physics, for the sizes of the hand's meshes.
 
     Returns:
-        The arm at its base pose, hand and opened fingers as boxes, tables and bins as boxes.
+        The arm at its base pose, hand and opened fingers as boxes, tables, bins and pegs as
+        they are.
         The fingers have no joints; the site of the end effector is in the gripper's frame.
     """
     source = ElementTree.fromstring(model_xml(host)).find("worldbody")
@@ -55,17 +56,17 @@ def describe_robot(host: Any, model: Any) -> RobotDescription:
 
 
 def _furniture(world: Element, source: Element) -> tuple[str, ...]:
-    """Copy the boxes that tables and bins collide with; return their names."""
+    """Copy what tables, bins and pegs collide with; return the geoms' names."""
     names = []
     for body_name in FURNITURE_BODIES:
         original = source.find(f"./body[@name='{body_name}']")
         if original is None:
             continue
         body = ElementTree.SubElement(world, "body", _only(original, "name", "pos", "quat"))
-        boxes = [geom for geom in original.findall("geom") if not only_shows(geom)]
-        for number, box in enumerate(boxes):
+        solid = [geom for geom in original.findall("geom") if not only_shows(geom)]
+        for number, geom in enumerate(solid):
             name = f"{body_name}_{number}"
-            shape = _only(box, "type", "size", "pos", "quat")
+            shape = _only(geom, "type", "size", "pos", "quat")
             ElementTree.SubElement(body, "geom", {"name": name, **shape})
             names.append(name)
     return tuple(names)

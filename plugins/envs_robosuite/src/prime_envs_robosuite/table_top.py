@@ -12,6 +12,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
+from prime_envs_robosuite.jobs import Push, PutInto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task
 
 Colour = tuple[float, float, float]
@@ -32,6 +33,9 @@ BIN_HEIGHT = 0.09  # of the walls' upper edge above the table [m]
 RELEASE_HEIGHT = (0.105, 0.115)
 RELEASE_MARGIN = 0.06  # from a bin's edge: wall, half a box and the spread of draws [m]
 MAT_SIZE = (0.21, 0.16)  # [m]
+DROP_HEIGHT = 0.04  # over the bin's floor from which people drop a box, for the walls' sake [m]
+EASY_REACH = Reach(base=(-0.56, 0.0), distance=0.72)  # of the arm at the table's edge
+FINGER = 0.03  # half of the closed fingers' greater width, and a little room [m]
 
 
 @dataclass(frozen=True)
@@ -142,6 +146,27 @@ class Bin:
         inside = bool(np.all(aside < self.half_size))
         return inside and bool(position[2] < TABLE_TOP + BIN_HEIGHT)
 
+    def job(self, name: str, part: int, parts: int) -> PutInto:
+        """Return what people do to put a box into a part of it.
+
+        Args:
+            name: Of the box.
+            part: Which part, counted from 0 along its long side.
+            parts: How many there are.
+        """
+        inner = np.array(self.half_size) - RELEASE_MARGIN + BIN_WALL
+        low, high = np.array(self.centre) - inner, np.array(self.centre) + inner
+        axis = int(self.turned)
+        edges = np.linspace(low[axis], high[axis], parts + 1)
+        low[axis], high[axis] = edges[part : part + 2]
+        return PutInto(
+            object_name=name,
+            low=(float(low[0]), float(low[1])),
+            high=(float(high[0]), float(high[1])),
+            reach=EASY_REACH,
+            rise=BIN_FLOOR + DROP_HEIGHT,
+        )
+
     def affordance(self) -> Affordance:
         """Return where to let go of what belongs into it."""
         x, y = (half - RELEASE_MARGIN for half in self.half_size)
@@ -175,6 +200,23 @@ class Mat:
     def distance(self, position: Array) -> float:
         """Return how far a point [m], world frame, ``(3,)``, is from the centre in the plane."""
         return float(np.linalg.norm(position[:2] - self.centre))
+
+
+def push_job(box: Box, centre: tuple[float, float], within: float) -> Push:
+    """Return what people do to push a box to a place.
+
+    Args:
+        box: What is pushed.
+        centre: x and y of the place [m].
+        within: How far from it along x and y the box may end [m].
+    """
+    return Push(
+        object_name=box.name,
+        low=(centre[0] - within, centre[1] - within),
+        high=(centre[0] + within, centre[1] + within),
+        standoff=float(np.hypot(*box.half_size[:2])) + FINGER,
+        height=TABLE_TOP + box.half_size[2],
+    )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_envs_robosuite.jobs import Job
 
+RELEASE_OPENING = 0.06  # the fingers open to 0.08 m
 REST_SPEED = 0.05  # [m/s]
 REST_TURNING = 0.5  # [rad/s]
 
@@ -54,6 +56,7 @@ class Task(ABC):
     """A robosuite task as data, and its success check.
 
     Attributes:
+        words: What is to be done.
         objects: The objects, in the scene's order.
         body_names: Their names in robosuite, without the ``_main`` of the body.
         workspace_low: Lower corner of the gripper's box [m], world frame.
@@ -61,6 +64,7 @@ class Task(ABC):
         lift_height: World height at which the gripper travels [m].
     """
 
+    words: str
     objects: tuple[ObjectDescription, ...]
     body_names: tuple[str, ...]
     workspace_low: tuple[float, float, float]
@@ -84,6 +88,10 @@ class Task(ABC):
         """Return where actions make sense."""
 
     @abstractmethod
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do, one job after another."""
+
+    @abstractmethod
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[Motion]) -> bool:
         """Whether the task is solved.
 
@@ -92,6 +100,16 @@ class Task(ABC):
             touched: Whether a finger touches any of the objects.
             motions: How each object moves.
         """
+
+
+def is_let_go(scene: Scene, touched: bool) -> bool:
+    """Whether the gripper is open and touches nothing.
+
+    Args:
+        scene: The scene now.
+        touched: Whether a finger touches any of the objects.
+    """
+    return not touched and scene.gripper_opening > RELEASE_OPENING
 
 
 def sampler_placement(sampler: Any, body: Any) -> Placement:

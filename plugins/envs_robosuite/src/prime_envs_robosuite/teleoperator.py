@@ -1,5 +1,6 @@
 """Simulated people: demonstrations that do not follow any primitive's own waypoints."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -8,8 +9,9 @@ from pydantic import AfterValidator, Field, PositiveInt
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.teleoperator_motion import Hand, Style
-from prime_envs_robosuite.teleoperator_person import Job, Person, job_of, stands
+from prime_envs_robosuite.jobs import Job
+from prime_envs_robosuite.teleoperator_motion import Style
+from prime_envs_robosuite.teleoperator_person import Person, stands
 
 if TYPE_CHECKING:
     from prime_envs_robosuite.environment import RobosuiteEnvironment
@@ -27,7 +29,7 @@ Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
 
 
 class SimulatedTeleoperatorConfig(DemonstratorConfig):
-    """Demonstrations by simulated people, for the Lift and PickPlace environments.
+    """Demonstrations by simulated people, who do the jobs that a robosuite task consists of.
 
     Each demonstration draws a style of its own from the ranges: bent paths, a pace, pauses,
     overshoot and correction, noise, approach and grasp yaws, misses that are mended.
@@ -78,18 +80,15 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
 
     def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
         """Return one demonstration, that ends in success; see `DemonstratorConfig`."""
-        from prime_envs_robosuite.recording import build_for_recording, task_words
+        from prime_envs_robosuite.recording import build_for_recording
 
         if not 0 <= index < self.count:
             raise PrimeError(f"{NAME} has demonstrations 0 to {self.count - 1}, not {index}")
         built = build_for_recording(environment, NAME)
         try:
-            grasp = built.description.affordances_for("grasp")[0]
-            job = job_of(built.task, grasp)
-            task = task_words(environment)
             for attempt in range(self.attempts):
                 generator = np.random.default_rng([seed, index, attempt])
-                shown = _show(built, job, task, self, generator)
+                shown = _show(built, self, generator)
                 if shown is not None:
                     return shown
         finally:
@@ -100,29 +99,26 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
             "steps, or narrow the ranges"
         )
 
-    def draw_person(self, job: Job, generator: np.random.Generator) -> Person:
-        """Draw who does a job, and how."""
+    def draw_person(self, jobs: Sequence[Job], generator: np.random.Generator) -> Person:
+        """Draw who does jobs, and how."""
         names = ("speed", "pause", "bow", "aim", "yaw_aim", "overshoot", "noise", "hover")
         drawn = {name: float(generator.uniform(*getattr(self, name))) for name in names}
-        slowed = {"speed": drawn["speed"] / job.care, "pause": drawn["pause"] * job.care}
-        hand = Hand(Style(**drawn | slowed), generator)
         misses = bool(generator.random() < self.miss_share)
-        return Person(job, hand, misses, self.other_yaw_share, generator)
+        return Person(jobs, Style(**drawn), misses, self.other_yaw_share, generator)
 
 
 def _show(
     environment: "RobosuiteEnvironment",
-    job: Job,
-    task: str,
     config: SimulatedTeleoperatorConfig,
     generator: np.random.Generator,
 ) -> Demonstration | None:
-    """Try to do the job once; None if it fails."""
+    """Try to do the task once; None if it fails."""
     from prime_envs_robosuite.recording import Recorder
 
     environment.reset(seed=int(generator.integers(2**31)))
     recorder = Recorder(environment)
-    person = config.draw_person(job, generator)
+    jobs = environment.task.jobs()
+    person = config.draw_person(jobs, generator)
     least, most = config.steps
     doing = person.perform(environment.scene())
     action = next(doing, None)
@@ -135,7 +131,8 @@ def _show(
             action = doing.send(environment.scene())
         except StopIteration:
             action = None
-    solved = environment.is_success() and stands(environment.scene(), job)
+    scene = environment.scene()
+    solved = environment.is_success() and all(stands(scene, job.object_name) for job in jobs)
     if not (solved and least <= len(recorder) <= most):
         return None
-    return recorder.finish(person.hand.gripper, task)
+    return recorder.finish(person.hand.gripper, environment.task.words)

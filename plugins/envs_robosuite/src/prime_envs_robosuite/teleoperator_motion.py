@@ -5,7 +5,7 @@ draw with a device, followed by feedback on the scenes.
 """
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ PATIENCE = 10  # steps of correction at the end of a movement
 NEAR = 0.006  # [m], where a movement counts as arrived
 NEAR_YAW = 0.05  # [rad]
 LOST = 5  # steps without a held object after which the hand stops
+STRAIGHT = 0.1  # share of their bend that movements keep that must be straight
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,10 @@ class Style:
     noise: float
     hover: float
 
+    def with_care(self, care: float) -> "Style":
+        """Return the style with all movements slower and all pauses longer by a factor."""
+        return replace(self, speed=self.speed / care, pause=self.pause * care)
+
 
 class Hand:
     """Moves the gripper in a style.
@@ -68,6 +73,7 @@ class Hand:
         generator: Where all randomness comes from.
 
     Attributes:
+        style: How.
         gripper: The gripper's command, `OPEN` or `CLOSE`.
     """
 
@@ -103,7 +109,14 @@ class Hand:
         self.gripper = command
         return (yield from self.wait(scene, int(self._generator.integers(12, 19))))
 
-    def move(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
+    def move(
+        self,
+        scene: Scene,
+        goal: Array,
+        yaw: float,
+        hesitate: bool = False,
+        straight: bool = False,
+    ) -> Movement:
         """Move along a bent path, first faster, then slower; stop if what is held gets lost.
 
         Args:
@@ -111,8 +124,10 @@ class Hand:
             goal: Where to [m], world frame, ``(3,)``.
             yaw: To which yaw [rad].
             hesitate: Whether to stop for a pause on the way.
+            straight: Whether the path has to be all but straight.
         """
-        path = self._path(scene.gripper_position, goal)
+        bow = self.style.bow * (STRAIGHT if straight else 1.0)
+        path = self._path(scene.gripper_position, goal, bow)
         turn = float(wrap_angle(yaw - scene.gripper_yaw))
         start_yaw = scene.gripper_yaw
         distance = float(np.linalg.norm(goal - scene.gripper_position))
@@ -132,7 +147,13 @@ class Hand:
         return scene
 
     def reach(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
-        """Move far: arrive inexactly, run past the goal, pause, and correct.
+        """Move far: arrive inexactly, pause, and correct; see `swing`."""
+        scene = yield from self.swing(scene, goal, yaw, hesitate)
+        scene = yield from self.pause(scene, 0.6)
+        return (yield from self.move(scene, goal, yaw))
+
+    def swing(self, scene: Scene, goal: Array, yaw: float, hesitate: bool = False) -> Movement:
+        """Move far, to somewhere near the goal and a little past it.
 
         Args:
             scene: The scene now.
@@ -145,17 +166,15 @@ class Hand:
         past = style.overshoot * way / max(float(np.linalg.norm(way)), 0.1)
         missed = goal + past + self._generator.normal(0.0, style.aim, 3)
         turned = yaw + self._generator.normal(0.0, style.yaw_aim)
-        scene = yield from self.move(scene, missed, float(turned), hesitate)
-        scene = yield from self.pause(scene, 0.6)
-        return (yield from self.move(scene, goal, yaw))
+        return (yield from self.move(scene, missed, float(turned), hesitate))
 
-    def _path(self, start: Array, goal: Array) -> Array:
+    def _path(self, start: Array, goal: Array, bow: float) -> Array:
         """Return the control points ``(4, 3)`` of a curve bent to a side and upwards."""
         way = goal - start
         aside = np.array([-way[1], way[0], 0.0])
         length = float(np.linalg.norm(way))
         aside /= max(float(np.linalg.norm(aside)), 1e-6)
-        bends = self._generator.normal(0.0, self.style.bow * length, (2, 2))
+        bends = self._generator.normal(0.0, bow * length, (2, 2))
         points = np.stack((start, start + way / 3, start + 2 * way / 3, goal))
         points[1:3] += bends[:, :1] * aside
         # Upwards only: below the straight line are the walls of the bins.

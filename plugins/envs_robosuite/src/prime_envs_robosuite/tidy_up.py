@@ -3,7 +3,16 @@
 from typing import Literal
 
 from prime_core.scene import Scene
-from prime_envs_robosuite.table_top import Bin, Box, Layout, Look, Mat, TableTopTask
+from prime_envs_robosuite.jobs import Job
+from prime_envs_robosuite.table_top import (
+    Bin,
+    Box,
+    Layout,
+    Look,
+    Mat,
+    TableTopTask,
+    push_job,
+)
 
 Variant = Literal["A", "B", "C", "D"]
 
@@ -109,11 +118,19 @@ class TidyUpTask(TableTopTask):
         variant: Where bins and mats are, and how they look.
     """
 
+    words = "put both small boxes into the bin and push the large one onto the mat"
     workspace_low = (-0.28, -0.32, 0.80)
     workspace_high = (0.135, 0.32, 1.05)
 
     def __init__(self, variant: Variant) -> None:
         super().__init__(LAYOUTS[variant])
+
+    def jobs(self) -> tuple[Job, ...]:
+        """Return what a person has to do; see `Task`."""
+        target, mat = self.layout.bins[TARGET_BIN], self.layout.mats[TARGET_MAT]
+        *small, large = BOXES
+        put = [target.job(box.name, part, len(small)) for part, box in enumerate(small)]
+        return (*put, push_job(large, mat.centre, MAT_REACH / 2))
 
     def is_tidy(self, scene: Scene) -> bool:
         """Whether each box is in the bin or on the mat that it belongs to."""

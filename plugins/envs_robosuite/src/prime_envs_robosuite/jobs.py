@@ -1,0 +1,123 @@
+"""What people are asked to do with the objects of a task, one job after another.
+
+Lengths are metres, angles radians, heights and positions in the world frame.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Room:
+    """The inside of a box without a lid, where a hand has to fit between walls.
+
+    Attributes:
+        low: Smallest x and y inside of the walls [m].
+        high: Greatest x and y [m].
+        top: Height of the walls [m].
+    """
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    top: float
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Where people like to let go: the gripper not too far from the arm.
+
+    Attributes:
+        base: x and y of the arm's base [m].
+        distance: Greatest distance of the gripper from it in the plane [m].
+    """
+
+    base: tuple[float, float]
+    distance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """What is to be done with one object.
+
+    Attributes:
+        object_name: The object.
+        care: How much slower people are than usual, with something small and close by.
+    """
+
+    object_name: str
+    care: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Taking(Job):
+    """A job that starts with taking the object where its affordance for grasping says.
+
+    Attributes:
+        taken_from: What it is taken out of; None where no walls are.
+    """
+
+    taken_from: Room | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class HoldUp(Taking):
+    """Take the object, and end with it held up."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PutInto(Taking):
+    """Put the object down somewhere in a region, as it stood, and let go.
+
+    Attributes:
+        low: Smallest x and y where its grip may be let go of [m].
+        high: Greatest x and y [m].
+        reach: Where in the region people choose to.
+        room: What it is put into; None where no walls are.
+        rise: How much higher the floor is there than where the object was taken [m].
+    """
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    reach: Reach
+    room: Room | None = None
+    rise: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class PutOnto(Taking):
+    """Bring the object's centre to a point, from straight above, and let go.
+
+    Attributes:
+        point: Where its centre comes to rest [m].
+        reach: Where people choose to have the gripper then.
+        clearance: How far above the point its centre must be on the way there [m].
+        drop: How far above the point its centre may be when it is let go of, from and to [m].
+        retreat: How far the gripper then rises, from and to [m].
+        yaws: Its yaws that are good [rad]; None if any is.
+        reference: The object that the point goes with, relative to its centre and along the
+            axes of the world; None for a point in the world.
+    """
+
+    point: tuple[float, float, float]
+    reach: Reach
+    clearance: float
+    drop: tuple[float, float]
+    retreat: tuple[float, float]
+    yaws: tuple[float, ...] | None = None
+    reference: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Push(Job):
+    """Push the object over the table into a region, with the closed gripper lowered beside it.
+
+    Attributes:
+        low: Smallest x and y that its centre may end at [m].
+        high: Greatest x and y [m].
+        standoff: From its centre to where the gripper comes down beside it [m].
+        height: Of the gripper while it pushes [m].
+    """
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    standoff: float
+    height: float
