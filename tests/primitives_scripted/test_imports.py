@@ -47,6 +47,6 @@ def test_only_one_file_imports_mink_and_mujoco() -> None:
 def test_what_is_registered() -> None:
     registered: dict[str, type] = {}
     prime_primitives_scripted.register_primitives(registered.__setitem__)
-    names = {"scripted/reach": "reach", "scripted/grasp": "grasp", "scripted/place": "place"}
+    names = {f"scripted/{name}": name for name in ("reach", "grasp", "place", "push")}
     built = {name: config().build(DESCRIPTION).name for name, config in registered.items()}
     assert built == names
