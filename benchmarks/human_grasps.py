@@ -17,7 +17,8 @@ from prime_core.primitive_calls import Segment
 from prime_core.scene import OBJECT_WIDTH
 
 LASTING = 10  # frames
-AROUND = 20  # frames by which a segment may end before or after the real grasp: a second
+EARLY = 20  # frames by which a segment may end before the real grasp: a second
+STAYING = 0.02  # [m] that the gripper may have moved since, at a segment's end
 
 
 def grasp_frames(shown: Demonstration) -> list[int]:
@@ -28,9 +29,11 @@ def grasp_frames(shown: Demonstration) -> list[int]:
     return [int(frame) for frame in begins if held[frame : frame + LASTING].all()]
 
 
-def is_around(segment: Segment, frame: int) -> bool:
-    """Whether a segment starts before a grasp and ends about when the object is held."""
-    return segment.start < frame and abs(segment.end - frame) <= AROUND
+def is_around(segment: Segment, frame: int, shown: Demonstration) -> bool:
+    """Whether a segment starts before a grasp, and ends with the gripper still there."""
+    moved = shown.frames.state[segment.end, :3] - shown.frames.state[frame, :3]
+    ends_there = segment.end >= frame - EARLY and np.linalg.norm(moved) < STAYING
+    return bool(segment.start < frame and ends_there)
 
 
 def main(folders: list[str]) -> None:
@@ -45,16 +48,16 @@ def main(folders: list[str]) -> None:
         for number, (shown, segments) in enumerate(pairs):
             frames = grasp_frames(shown)
             grasps = [item for item in segments if item.call.primitive == "grasp"]
-            around = any(is_around(item, frame) for item in grasps for frame in frames)
+            around = any(is_around(item, frame, shown) for item in grasps for frame in frames)
             found, total = found + around, total + 1
             spans = ", ".join(f"{item.start}-{item.end}" for item in grasps)
             real = ", ".join(map(str, frames))
             answer = "yes" if around else "no"
             print(f"| {folder} | {number} | {len(shown.frames)} | {real} | {spans} | {answer} |")
+    print(f"\n{found} of {total} have a grasp segment that starts before a real grasp, and ends")
     print(
-        f"\n{found} of {total} have a grasp segment that starts before a real grasp and ends within"
+        f"at most {EARLY} frames before it, or after it with the gripper within {100 * STAYING:.0f} cm."
     )
-    print(f"{AROUND} frames of it.")
 
 
 if __name__ == "__main__":

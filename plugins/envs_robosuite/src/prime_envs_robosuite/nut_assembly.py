@@ -64,14 +64,15 @@ class NutAssemblyTask(Task):
     Solved when the nut is around its peg, at rest and let go of: no finger touches it and the
     gripper is open.
 
-    The paper's release starts from the same small region as robosuite, x -0.115 to -0.11 about
-    the middle of the table and y -0.225 to -0.11 for the round nut, 0.11 to 0.225 for the square
-    one, both on the side of their pegs; it differs in the yaw of 90 to 270 degrees, which turns
-    the handle (the nut's x axis) to the robot's side. Its workspace box, y -0.29 to 0.01 for the
-    round nut, holds just its grips at such starts and around the round peg; ours, which are a
-    centimetre farther out, take a centimetre more. In robosuite's own
-    range the handle may point away from the robot, and a nut put around its peg so has its
-    handle outside of the box and out of the arm's reach: it has to be turned on the way.
+    The nut starts in the small region that robosuite's sampler has about the middle of the
+    table: x -0.115 to -0.11, y -0.225 to -0.11 for the round nut and 0.11 to 0.225 for the square
+    one, each on the side of its peg. The paper's release has the same numbers, with y the other
+    way round in our notes; its workspace box of the round nut, y -0.29 to 0.01, says that they
+    are meant like this, for it holds just the grips at such starts and around the round peg.
+    Ours are a centimetre farther out and take a centimetre more. What the paper narrows is the
+    yaw: 90 to 270 degrees turn the handle (the nut's x axis) to the robot's side. In robosuite's
+    own range it may point away from the robot, and a nut put around its peg so has its handle out
+    of the arm's reach: it has to be turned on the way.
 
     Args:
         kind: The nut to move.
