@@ -55,9 +55,7 @@ def main(folders: list[str]) -> None:
             answer = "yes" if around else "no"
             print(f"| {folder} | {number} | {len(shown.frames)} | {real} | {spans} | {answer} |")
     print(f"\n{found} of {total} have a grasp segment that starts before a real grasp, and ends")
-    print(
-        f"at most {EARLY} frames before it, or after it with the gripper within {100 * STAYING:.0f} cm."
-    )
+    print(f"at most {EARLY} frames before it or while the gripper is within {STAYING} m of it.")
 
 
 if __name__ == "__main__":
