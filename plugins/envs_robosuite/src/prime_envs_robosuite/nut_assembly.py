@@ -18,8 +18,8 @@ TABLE_TOP = 0.82
 PEG_TOP = 0.95  # world height [m]
 NUT_HALF_HEIGHT = 0.01  # [m]
 # The fingers reach 11 mm below the gripper's position: at the nut's centre they would scrape the
-# table [m].
-GRIP_HEIGHT = (0.004, 0.006)
+# table, and a hand that comes down with some speed would even a little above it [m].
+GRIP_HEIGHT = (0.005, 0.008)
 PLACE_HEIGHT = (0.85, 0.87)  # of the nut when it is let go of [m]
 # The gripper stays nearer than this to the arm's base, or its elbow is all but straight.
 EASY_REACH = Reach(base=(-0.56, 0.0), distance=0.733)
@@ -90,7 +90,8 @@ class NutAssemblyTask(Task):
         self.body_names = (self.shape.body_name,)
         low, high = self.shape.workspace_y
         self.workspace_low = (-0.26, low, 0.80)
-        self.workspace_high = (0.23, high, 1.00)
+        # The release's box ends at 1.00 m; here that is the height at which nuts travel.
+        self.workspace_high = (0.23, high, 1.02)
 
     def make_host(self) -> Any:
         """Build the robosuite environment; see `Task`."""
