@@ -3,7 +3,9 @@
 All contenders start from the same state and take the same actions, a few steps at a time
 in turn, so that other load on the machine hits them alike; the figures are medians of CPU
 time. "Physics alone" replays the torques of the same steps through MuJoCo's own C loop:
-the limit of what any control law could reach.
+the limit of what any control law could reach. "Collection" is a step of the random primitives of
+the collection, with planning, inverse kinematics, scenes and recording; steps of draws that failed
+count too.
 
     python benchmarks/stepping.py [ROUNDS]
 """
@@ -17,29 +19,82 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.collection import CollectionConfig, collect_episode
+from prime_core.idm import PrimitiveSpace
 from prime_envs_robosuite.adapter import quiet_robosuite
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, RobosuiteConfig
+from prime_envs_robosuite.config import (
+    CleanUpConfig,
+    LiftConfig,
+    NutAssemblyConfig,
+    PickPlaceConfig,
+    RobosuiteConfig,
+    TidyUpConfig,
+)
 from prime_envs_robosuite.environment import RobosuiteEnvironment
+from prime_primitives_scripted.grasp import GraspConfig
+from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.push import PushConfig
+from prime_primitives_scripted.reach import ReachConfig
 
 Array = NDArray[np.float64]
 Contender = tuple[str, Callable[[], None], Callable[[], None]]  # name, prepare, run
 
 STEPS = 20
-CASES: dict[str, tuple[RobosuiteConfig, RobosuiteConfig]] = {
-    "PickPlaceMilk": (PickPlaceConfig(), PickPlaceConfig(stepping="stock")),
-    "Lift": (LiftConfig(), LiftConfig(stepping="stock")),
+EPISODES = 3  # of the collection
+CASES: dict[str, tuple[str | None, type[RobosuiteConfig]]] = {
+    "PickPlace milk": ("PickPlaceMilk", PickPlaceConfig),
+    "Lift": ("Lift", LiftConfig),
+    "NutAssembly round": ("NutAssemblyRound", NutAssemblyConfig),
+    "TidyUp D": (None, TidyUpConfig),
+    "CleanUp bin": (None, CleanUpConfig),
 }
+"""By title: robosuite's own name of the task, if it has it, and ours."""
+PRIMITIVES = (ReachConfig(), GraspConfig(), PlaceConfig(), PushConfig())
 
 
 def main(rounds: int) -> None:
     print(f"medians of {rounds} rounds of {STEPS} control steps, CPU time")
-    for name, (compiled, stock) in CASES.items():
-        contenders = [_robosuite(name), *_ours(_build(compiled), _build(stock))]
+    for title, (name, kind) in CASES.items():
+        compiled, stock = _build(kind()), _build(kind(stepping="stock"))
+        contenders = _ours(compiled, stock)
+        if name is not None:
+            contenders = [_robosuite(name), *contenders]
         times = _measure(contenders, rounds)
-        base = times[contenders[0][0]]
-        print(f"\n{name:<34}{'ms a step':>11}{'steps a CPU-s':>15}{'x robosuite':>13}")
+        times["collection"] = _collection(compiled)
+        base, limit = times[contenders[0][0]], times["physics alone"]
+        print(
+            f"\n{title:<34}{'ms a step':>11}{'steps a CPU-s':>15}{'x first':>9}{'of physics':>12}"
+        )
         for label, value in times.items():
-            print(f"  {label:<32}{value * 1e3:>11.2f}{1 / value:>15.0f}{base / value:>13.2f}")
+            print(
+                f"  {label:<32}{value * 1e3:>11.2f}{1 / value:>15.0f}{base / value:>9.2f}"
+                f"{limit / value:>12.2f}"
+            )
+
+
+def _collection(environment: RobosuiteEnvironment) -> float:
+    """Return the CPU seconds of a step of the collection."""
+    description = environment.description
+    built = [config.build(description) for config in PRIMITIVES]
+    usable = built if description.affordances_for("push") else built[:3]
+    names = tuple(item.name for item in usable)
+    space = PrimitiveSpace(names, tuple(item.parameter_space for item in usable))
+    steps = 0
+    own_step = environment.step
+
+    def counted(action: Array) -> Any:
+        nonlocal steps
+        steps += 1
+        return own_step(action)
+
+    environment.step = counted  # type: ignore[method-assign]
+    start = time.process_time()
+    for episode in range(EPISODES):
+        generator = np.random.default_rng(episode)
+        collect_episode(environment, usable, space, CollectionConfig(), generator)
+    seconds = time.process_time() - start
+    environment.step = own_step  # type: ignore[method-assign]
+    return seconds / steps
 
 
 def _measure(contenders: list[Contender], rounds: int) -> dict[str, float]:

@@ -35,8 +35,8 @@ def quaternion_product(left: ArrayLike, right: ArrayLike) -> Array:
     Returns:
         ``(..., 4)``.
     """
-    aw, ax, ay, az = np.moveaxis(np.asarray(left, dtype=np.float64), -1, 0)
-    bw, bx, by, bz = np.moveaxis(np.asarray(right, dtype=np.float64), -1, 0)
+    aw, ax, ay, az = _parts(left)
+    bw, bx, by, bz = _parts(right)
     return np.stack(
         (
             aw * bw - ax * bx - ay * by - az * bz,
@@ -57,7 +57,7 @@ def rotation_matrix(quaternion: ArrayLike) -> Array:
     Returns:
         ``(..., 3, 3)``; column ``i`` is the body's axis ``i`` in the world frame.
     """
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    w, x, y, z = _parts(quaternion)
     rows = (
         (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
         (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
@@ -75,7 +75,7 @@ def yaw_of(quaternion: ArrayLike) -> Array:
     Returns:
         Yaw [rad], ``(...)``, in ``[-pi, pi)``.
     """
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    w, x, y, z = _parts(quaternion)
     return np.asarray(np.arctan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)))
 
 
@@ -89,5 +89,12 @@ def gripper_down(yaw: ArrayLike) -> Array:
         ``(..., 4)``: a half turn about x, then the yaw about z.
     """
     half = np.asarray(yaw, dtype=np.float64) / 2
-    zero = np.zeros_like(half)
-    return np.stack((zero, np.cos(half), np.sin(half), zero), axis=-1)
+    result = np.zeros((*half.shape, 4))
+    result[..., 1], result[..., 2] = np.cos(half), np.sin(half)
+    return result
+
+
+def _parts(quaternion: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    """Return the four numbers of quaternions; asked in every step, so without moving axes."""
+    values = np.asarray(quaternion, dtype=np.float64)
+    return values[..., 0], values[..., 1], values[..., 2], values[..., 3]
