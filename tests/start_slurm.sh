@@ -14,8 +14,8 @@ if ! command -v slurmctld >/dev/null; then
 fi
 state=$(mktemp -d)
 host=$(hostname -s)
-mkdir -p /run/munge /etc/slurm
-chown munge: /run/munge
+mkdir -p /run/munge /var/log/munge /etc/slurm
+chown -R munge: /run/munge /var/log/munge
 pgrep -x munged >/dev/null || runuser -u munge -- munged
 cat > /etc/slurm/slurm.conf <<EOF
 ClusterName=prime
