@@ -15,7 +15,7 @@ INSTALLED := $(VENV)/.installed
 # It trusts the certificates that the system trusts, as pip is set up to.
 INSTALL = $(VENV)/bin/uv pip install --system-certs --python $(VENV)/bin/python
 
-.PHONY: install quick format lint type test test-runs test-slow build check clean
+.PHONY: install quick format lint type test test-slow build check clean
 
 install: $(INSTALLED)
 
@@ -58,10 +58,8 @@ type: install
 test: install
 	$(VENV)/bin/pytest -n 2 -m "not slow"
 
-# Runs that are killed, repeated with other workers and, where a Slurm answers, on Slurm.
-test-runs: install
-	$(VENV)/bin/pytest -m slow tests/test_pipeline.py tests/test_slurm.py
-
+# Whole experiments: killed, with other workers, and on Slurm where one answers (tests/start_slurm.sh);
+# installs from wheels; LeRobot's own classes.
 test-slow: install
 	$(VENV)/bin/pytest -m slow
 
