@@ -1,6 +1,6 @@
 """Runs on a real Slurm: the same results, and what is left after jobs and nodes are gone.
 
-Skipped where no Slurm answers; tests/start_slurm.sh starts one.
+Skipped where no Slurm with two idle nodes answers; tests/start_slurm.sh starts one.
 """
 
 import shutil
@@ -18,14 +18,18 @@ from prime_core.slurm import QueueWatcher
 from .test_pipeline import QUICK, TINY, assert_same, command, prime
 
 
-def _answers() -> bool:
+def _has_two_nodes() -> bool:
     if shutil.which("sinfo") is None:
         return False
-    return subprocess.run(["sinfo", "--noheader"], capture_output=True, timeout=20).returncode == 0
+    arguments = ["sinfo", "--noheader", "--Node", "--states=idle", "--format=%N"]
+    asked = subprocess.run(arguments, capture_output=True, text=True, timeout=20)
+    return asked.returncode == 0 and len(asked.stdout.split()) >= 2
 
 
 pytestmark = pytest.mark.slow
-needs_slurm = pytest.mark.skipif(not _answers(), reason="no Slurm answers: tests/start_slurm.sh")
+needs_slurm = pytest.mark.skipif(
+    not _has_two_nodes(), reason="no Slurm with two idle nodes: tests/start_slurm.sh starts one"
+)
 SLURM = ["compute.cluster=slurm", "compute.memory_gb=2"]
 LONG = [*TINY, *SLURM, "collection.episodes=240", "collection.draws_per_episode=12"]
 
