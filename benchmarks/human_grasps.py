@@ -55,8 +55,10 @@ def main(folders: list[str]) -> None:
             answer = "yes" if around else "no"
             print(f"| {folder} | {number} | {len(shown.frames)} | {real} | {spans} | {answer} |")
     print(f"\n{found} of {total} have a grasp segment that starts before a real grasp, and ends")
-    print(f"at most {EARLY} frames before it or while the gripper is within {STAYING} m of it.")
+    print(f"at most {EARLY} frames before it or later, with the gripper within {STAYING} m of it.")
 
 
 if __name__ == "__main__":
+    if not sys.argv[1:]:
+        raise SystemExit(__doc__)
     main(sys.argv[1:])

@@ -28,6 +28,10 @@ def read_results(path: Path) -> dict[str, Any]:
         raise PrimeError(f"{file}: cannot be read as JSON: {error}") from None
     if not isinstance(found, dict) or not {"name", "results"} <= set(found):
         raise PrimeError(f"{file}: a results file has the keys 'name' and 'results'")
+    try:
+        _figures(found["results"])
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise PrimeError(f"{file}: 'results' is not what prime run leaves: {error!r}") from None
     return found
 
 

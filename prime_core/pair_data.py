@@ -44,6 +44,7 @@ class RolloutTable:
         rollouts: Start frame, end frame and primitive of each rollout, ``(n, 3)``.
         parameters: Of each rollout, ``(n, width)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
+        last: The last frame.
 
     Args:
         episodes: Each is looked at once.
@@ -77,7 +78,13 @@ class RolloutTable:
         self.last = first - 1
 
     def rows(self, numbers: Indices) -> Indices:
-        """Return where frames lie in `frames`, in the shape of their numbers."""
+        """Return where frames lie in `frames`, in the shape of their numbers.
+
+        Raises:
+            ValueError: If one was not kept.
+        """
+        if not np.isin(numbers, self._numbers).all():
+            raise ValueError("a frame was not kept: give RolloutTable a greater 'around'")
         found: Indices = np.searchsorted(self._numbers, numbers)
         return found
 

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import shutil
 import threading
 import time
 from collections.abc import Iterator
@@ -75,6 +76,11 @@ def run_stage(stage: Stage) -> None:
     Raises:
         PrimeError: If an item cannot be done for a reason that the user can mend.
     """
+    if stage.infra.cluster == "slurm" and shutil.which("srun") is None:
+        raise PrimeError(
+            "compute.cluster: found 'slurm', but there is no srun here: start the experiment where "
+            "jobs can be submitted, or use 'local'"
+        )
     start = time.perf_counter()
     try:
         stage.compute(stage.missing())

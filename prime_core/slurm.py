@@ -9,6 +9,17 @@ from submitit.slurm.slurm import SlurmInfoWatcher
 POLL_SECONDS = 20
 """Between two questions to Slurm at most; results of jobs are seen at once."""
 
+ALIVE = {
+    "CONFIGURING",
+    "REQUEUE_HOLD",
+    "RESIZING",
+    "SIGNALING",
+    "STAGE_OUT",
+    "STOPPED",
+    "SUSPENDED",
+}
+"""States of jobs that will go on, and that submitit does not know: it takes them for ended."""
+
 GONE = "GONE"
 """State of a job that Slurm has forgotten: it ended a while ago."""
 
@@ -39,7 +50,8 @@ class QueueWatcher(SlurmInfoWatcher):
         found = {name: {"State": GONE} for name in self._registered}
         for line in text.splitlines():
             job, state, node = line.split("|")
-            found[job] = {"JobID": job, "State": state, "NodeList": node}
+            known = "PENDING" if state in ALIVE else state
+            found[job] = {"JobID": job, "State": known, "NodeList": node}
         return found
 
 

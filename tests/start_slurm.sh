@@ -12,6 +12,10 @@ if ! command -v slurmctld >/dev/null; then
     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
         slurmctld slurmd slurm-client munge >/dev/null
 fi
+if [ -e /etc/slurm/slurm.conf ] && ! grep -q '^ClusterName=prime$' /etc/slurm/slurm.conf; then
+    echo "/etc/slurm/slurm.conf is of another cluster: it is left alone" >&2
+    exit 1
+fi
 state=$(mktemp -d)
 host=$(hostname -s)
 mkdir -p /run/munge /var/log/munge /etc/slurm

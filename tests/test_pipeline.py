@@ -222,7 +222,9 @@ def test_after_a_kill_a_training_goes_on_after_its_last_epoch(
 
     completed = prime("--until", "idm", out=tmp_path / "whole", settings=settings)
     assert completed.returncode == 0, completed.stderr
-    for file in sorted((idm.folder / "model").glob("*.safetensors")):
+    files = sorted((idm.folder / "model").glob("*.safetensors"))
+    assert files
+    for file in files:
         whole = experiment(tmp_path / "whole", *longer).idm.folder / "model" / file.name
         assert file.read_bytes() == whole.read_bytes()
 

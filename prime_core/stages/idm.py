@@ -47,7 +47,7 @@ class IdmTraining(Stage):
             pairs = PairConfig.model_validate(self.pairs)
             generator = np.random.default_rng([self.seed, _STREAM])
             count = self.collection.config.episodes
-            cut = count - round(count * pairs.held_out_share)
+            cut = max(1, count - round(count * pairs.held_out_share))
             table = RolloutTable(self.collection.episodes(end=cut), pairs.around)
             data = training_pairs(table, space, pairs, generator)
             model = self.config.fit(

@@ -37,6 +37,8 @@ def test_markdown_has_a_heading() -> None:
         (None, "there is no such file: prime run leaves one"),
         ("{", "cannot be read as JSON"),
         ("[]", "a results file has the keys 'name' and 'results'"),
+        ('{"name": "x", "results": []}', "'results' is not what prime run leaves"),
+        ('{"name": "x", "results": {"idm": {}}}', "KeyError\\('balanced_accuracy'\\)"),
     ],
 )
 def test_what_is_no_results_file_is_refused(

@@ -1,6 +1,7 @@
 """Training pairs from collected episodes, and labelled frames for policies."""
 
 import numpy as np
+import pytest
 
 from prime_core.collection import CollectedEpisode, CollectionConfig, draw_other_pairs
 from prime_core.idm import PrimitiveSpace
@@ -48,6 +49,8 @@ def test_only_frames_that_are_learnt_from_are_kept() -> None:
     kept = [*range(4), 9, *range(17, 24), *range(27, 34), *range(52, 59)]
     assert around.frames.state[:, 0].tolist() == [1.0 * number for number in kept]
     assert around.frames.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]
+    with pytest.raises(ValueError, match="a frame was not kept"):
+        table.rows(np.array([20, 21]))
 
 
 def test_each_class_has_the_same_weight_in_all() -> None:

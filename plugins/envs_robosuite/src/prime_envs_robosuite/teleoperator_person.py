@@ -261,7 +261,8 @@ class Person:
             scene = yield from hand.move(scene, back, yaw, straight=True)
             rise = scene.description.lift_height - scene.gripper_position[2]
             scene = yield from hand.move(scene, scene.gripper_position + rise * UP, yaw)
-        return scene, False
+        left = np.linalg.norm(target - scene.object_positions[index, :2])
+        return scene, bool(left < PUSHED)
 
     def _come_down_beside(self, scene: Scene, job: Push, direction: Array, yaw: float) -> Movement:
         """Bring the closed gripper down behind the object, seen in the direction ``(2,)``."""

@@ -30,9 +30,9 @@ def draw(
 
     Args:
         scene: Gives the poses of the objects that affordances go with.
-        affordances: Each is as likely as another; those outside of the bounds are left out,
-            and those of what is held if nothing is. Without any, the draw is uniform within the
-            bounds.
+        affordances: Each is as likely as another; those of the gripper outside of the bounds
+            are left out, and those of what is held if nothing is, or if none of their yaws can be
+            turned to. Without any, the draw is uniform within the bounds.
         space: Bounds of x, y, z [m] and yaw [rad].
         std: Standard deviations about the centre [m, m, m, rad].
         generator: Where the draw comes from.

@@ -78,7 +78,7 @@ class Push(ScriptedPrimitive):
     def propose(self, scene: Scene, generator: np.random.Generator) -> Array:
         """Draw a start beside an object and a displacement through it, ``(7,)``.
 
-        A push ends within the workspace, so one that would leave it is shortened.
+        A push ends within the workspace: an end outside of it is clipped.
         """
         std = (*self._push.position_std, self._push.yaw_std)
         start = prior.draw(scene, self.affordances(scene), self._pose_space, std, generator)
