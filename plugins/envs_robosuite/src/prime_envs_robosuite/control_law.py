@@ -5,7 +5,8 @@ That keeps it free of global callbacks (two threads can step at once), lets numb
 the machine code on disk, and leaves no Python between two substeps.
 
 Everything the function calls is in this file: numba looks at one file only to tell whether
-a cached function is out of date.
+a cached function is out of date. Sums run over the last axis of small arrays wherever they can, so
+that the compiler adds several at once without changing the order of any sum.
 """
 
 from typing import Any, NamedTuple
@@ -18,8 +19,13 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-POSITION_GAIN = 150.0  # kp of the default OSC_POSE controller; its damping is critical
+from prime_envs_robosuite.stepping import GRIPPER_SPEED, POSITION_SCALE, ROTATION_SCALE
+
+POSITION_GAIN = 150.0  # kp of the default OSC_POSE controller
+DAMPING = 2.0 * np.sqrt(POSITION_GAIN)  # critical
 NULLSPACE_GAIN = 10.0
+NULLSPACE_DAMPING = 2.0 * np.sqrt(NULLSPACE_GAIN)
+JOINTS = 7  # of the arm; a constant, so that loops over them are unrolled
 
 
 class Functions(NamedTuple):
@@ -28,22 +34,18 @@ class Functions(NamedTuple):
     Attributes:
         step1: ``mj_step1``: positions, velocities, bias forces.
         step2: ``mj_step2``: forces, constraints, integration.
-        full_mass: ``mj_fullM``.
-        site_jacobian: ``mj_jacSite``.
         model: The ``mjModel``.
         data: The ``mjData``.
     """
 
     step1: int
     step2: int
-    full_mass: int
-    site_jacobian: int
     model: int
     data: int
 
 
 class Views(NamedTuple):
-    """Arrays that share memory with one ``MjData``, and scratch space.
+    """Arrays that share memory with one ``MjData``.
 
     Attributes:
         positions: ``qpos``, ``(nq,)``.
@@ -51,11 +53,10 @@ class Views(NamedTuple):
         bias: ``qfrc_bias``, ``(nv,)``.
         controls: ``ctrl``, ``(nu,)``.
         packed_mass: ``qM``, MuJoCo's sparse joint-space inertia.
+        axes: ``cdof``, the joints' motion axes, angular then linear, ``(nv, 6)``.
+        centre: Row of ``subtree_com`` that the arm's axes refer to [m], ``(3,)``.
         site_position: Of the grip site [m], world frame, ``(3,)``.
         site_rotation: Of the grip site, row by row, ``(9,)``.
-        mass: Scratch for the dense inertia, ``(nv, nv)``.
-        linear: Scratch for the linear site Jacobian, ``(3, nv)``.
-        angular: Scratch for the angular site Jacobian, ``(3, nv)``.
     """
 
     positions: NDArray[np.float64]
@@ -63,35 +64,58 @@ class Views(NamedTuple):
     bias: NDArray[np.float64]
     controls: NDArray[np.float64]
     packed_mass: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    centre: NDArray[np.float64]
     site_position: NDArray[np.float64]
     site_rotation: NDArray[np.float64]
-    mass: NDArray[np.float64]
-    linear: NDArray[np.float64]
-    angular: NDArray[np.float64]
 
 
 class Arm(NamedTuple):
-    """Where the arm is in the model's arrays; ``n`` joints.
+    """Where the arm and its gripper are in the model's arrays.
 
     Attributes:
-        joints: Addresses in ``qpos``, ``(n,)``.
-        dofs: Addresses in ``qvel``, ``(n,)``.
-        actuators: Indices in ``ctrl``, ``(n,)``.
-        torque_low: Lower torque limits [N m], ``(n,)``.
-        torque_high: Upper torque limits [N m], ``(n,)``.
+        indices: Of each joint in ``qpos``, ``qvel`` and ``ctrl``, ``(7, 3)``.
+        mass: Where the inertia between two joints is in ``qM``, ``(7, 7)``.
+        torques: Lower and upper torque limit of each joint [N m], ``(7, 2)``.
         base_position: Of the frame that actions are given in [m], world frame, ``(3,)``.
         base_rotation: Of that frame, ``(3, 3)``.
-        site: Index of the grip site.
+        fingers: Of the left and the right finger in ``ctrl``, ``(2,)``.
+        strokes: Least and greatest control of each finger [m], ``(2, 2)``.
     """
 
-    joints: NDArray[np.int64]
-    dofs: NDArray[np.int64]
-    actuators: NDArray[np.int64]
-    torque_low: NDArray[np.float64]
-    torque_high: NDArray[np.float64]
+    indices: NDArray[np.int64]
+    mass: NDArray[np.int64]
+    torques: NDArray[np.float64]
     base_position: NDArray[np.float64]
     base_rotation: NDArray[np.float64]
-    site: int
+    fingers: NDArray[np.int64]
+    strokes: NDArray[np.float64]
+
+
+class _Scratch(NamedTuple):
+    """Arrays that each substep fills anew; one allocation serves all substeps.
+
+    Attributes:
+        goal: Position [m] and, row by row, rotation of the goal, world frame, ``(12,)``.
+        jacobian: Of the grip site, linear then angular, transposed, ``(7, 6)``.
+        mobility: Inverse of the mass at the site, ``(6, 6)``.
+        arm: Its mass [kg m^2] beside the transposed Jacobian, eliminated in place, ``(7, 13)``.
+        site: Room to eliminate mobility, demand and what the pull would cause, ``(6, 8)``.
+        turning: Room to eliminate its angular block and that part of the demand, ``(3, 4)``.
+        torques: Of the joints [N m], ``(7,)``.
+        wrench: Demanded accelerations, then force [N] and torque [N m] at the site, ``(6,)``.
+        countered: Acceleration of the site that the pull to rest would cause, ``(6,)``.
+    """
+
+    goal: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    mobility: NDArray[np.float64]
+    arm: NDArray[np.float64]
+    site: NDArray[np.float64]
+    turning: NDArray[np.float64]
+    torques: NDArray[np.float64]
+    wrench: NDArray[np.float64]
+    countered: NDArray[np.float64]
 
 
 @intrinsic
@@ -114,159 +138,280 @@ def _c_call(typing_context: Any, address: Any, arguments: Any) -> Any:
 
 # numba passes the typing context itself.
 _call: Any = _c_call
+_compiled = numba.njit(nogil=True, cache=True, error_model="numpy")
+_inlined = numba.njit(nogil=True, cache=True, error_model="numpy", forceinline=True)
 
 
-@numba.njit(nogil=True, cache=True)
-def _product(left: Any, right: Any) -> Any:
-    """Return ``left @ right``; a call of BLAS costs more than these few products."""
-    result = np.empty((left.shape[0], right.shape[1]))
-    for row in range(left.shape[0]):
-        for column in range(right.shape[1]):
-            total = 0.0
-            for inner in range(left.shape[1]):
-                total += left[row, inner] * right[inner, column]
-            result[row, column] = total
-    return result
+def _elimination(rows: int, columns: int) -> Any:
+    """Return a function that eliminates below the diagonal of a symmetric matrix.
 
+    Args:
+        rows: Of the matrix.
+        columns: Of the matrix and the right sides that stand beside it. Loops over constant
+            numbers of columns become a few vector instructions.
 
-@numba.njit(nogil=True, cache=True)
-def _factor(matrix: Any) -> Any:
-    """Return the lower Cholesky factor of a symmetric matrix, and whether it is positive."""
-    size = matrix.shape[0]
-    lower = np.zeros((size, size))
-    for row in range(size):
-        for column in range(row + 1):
-            total = matrix[row, column]
-            for inner in range(column):
-                total -= lower[row, inner] * lower[column, inner]
-            if row > column:
-                lower[row, column] = total / lower[column, column]
-            elif total > 0.0:
-                lower[row, row] = np.sqrt(total)
-            else:
-                return lower, False
-    return lower, True
-
-
-@numba.njit(nogil=True, cache=True)
-def _solve(matrix: Any, right: Any) -> Any:
-    """Solve ``matrix @ x = right`` for a symmetric positive matrix, by Cholesky.
-
-    robosuite takes pseudo-inverses by singular values, which cost more than the physics;
-    they agree to rounding wherever the matrix is positive, and are used where it is not.
+    Returns:
+        Takes a table ``(rows, columns)``, which becomes the upper Cholesky factor, its diagonal
+        inverted, and the inverse of the lower one times the right sides; returns whether the
+        matrix is positive.
     """
-    lower, positive = _factor(matrix)
-    if not positive:
-        return np.linalg.pinv(matrix) @ right
-    size = matrix.shape[0]
-    result = right.copy()
-    for column in range(result.shape[1]):
-        for row in range(size):
-            total = result[row, column]
-            for inner in range(row):
-                total -= lower[row, inner] * result[inner, column]
-            result[row, column] = total / lower[row, row]
-        for row in range(size - 1, -1, -1):
-            total = result[row, column]
-            for inner in range(row + 1, size):
-                total -= lower[inner, row] * result[inner, column]
-            result[row, column] = total / lower[row, row]
-    return result
+
+    @_inlined
+    def eliminate(table: Any) -> bool:
+        for pivot in range(rows):
+            square = table[pivot, pivot]
+            if not square > 0.0:
+                return False
+            scale = 1.0 / np.sqrt(square)
+            for column in range(columns):
+                table[pivot, column] *= scale
+            for row in range(pivot + 1, rows):
+                share = table[pivot, row]
+                for column in range(columns):
+                    table[row, column] -= share * table[pivot, column]
+            table[pivot, pivot] = scale
+        return True
+
+    return eliminate
 
 
-@numba.njit(nogil=True, cache=True)
-def _pose_error(goal_position: Any, goal_rotation: Any, views: Any) -> Any:
-    """Return position error [m] and orientation error (as a rotation vector), ``(6,)``."""
-    error = np.zeros(6)
-    rotation = views.site_rotation
+_eliminate_arm = _elimination(JOINTS, JOINTS + 6)
+_eliminate_site = _elimination(6, 8)
+_eliminate_turning = _elimination(3, 4)
+
+
+@_inlined
+def _substitute(table: Any, rows: int, column: int, solution: Any) -> None:
+    """Write the solution for one right side of an eliminated table; see `_elimination`."""
+    for row in range(rows - 1, -1, -1):
+        total = table[row, column]
+        for inner in range(row + 1, rows):
+            total -= table[row, inner] * solution[inner]
+        solution[row] = total * table[row, row]
+
+
+@_inlined
+def _read_arm(rest: Any, arm: Any, views: Any, scratch: Any) -> None:
+    """Fill mass and Jacobian, torques that pull to rest, the site's twist and what they cause."""
+    offset_x = views.site_position[0] - views.centre[0]
+    offset_y = views.site_position[1] - views.centre[1]
+    offset_z = views.site_position[2] - views.centre[2]
+    twist, countered, torques = scratch.wrench, scratch.countered, scratch.torques
+    twist[:] = 0.0
+    countered[:] = 0.0
+    for joint in range(JOINTS):
+        torques[joint] = views.bias[arm.indices[joint, 1]]
+    for joint in range(JOINTS):
+        position, dof = arm.indices[joint, 0], arm.indices[joint, 1]
+        x, y, z = views.axes[dof, 0], views.axes[dof, 1], views.axes[dof, 2]
+        row = scratch.jacobian[joint]
+        row[0] = views.axes[dof, 3] + y * offset_z - z * offset_y
+        row[1] = views.axes[dof, 4] + z * offset_x - x * offset_z
+        row[2] = views.axes[dof, 5] + x * offset_y - y * offset_x
+        row[3], row[4], row[5] = x, y, z
+        speed = views.velocities[dof]
+        away = rest[joint] - views.positions[position]
+        pull = NULLSPACE_GAIN * away - NULLSPACE_DAMPING * speed
+        for axis in range(6):
+            twist[axis] += row[axis] * speed
+            countered[axis] += row[axis] * pull
+        for other in range(JOINTS):
+            inertia = views.packed_mass[arm.mass[joint, other]]
+            scratch.arm[joint, other] = inertia
+            torques[other] += inertia * pull
+        for axis in range(6):
+            scratch.arm[joint, JOINTS + axis] = row[axis]
+
+
+@_inlined
+def _demand_accelerations(views: Any, scratch: Any) -> None:
+    """Turn the site's twist into the accelerations that the law demands of it."""
+    demand, goal, rotation = scratch.wrench, scratch.goal, views.site_rotation
     for axis in range(3):
-        error[axis] = goal_position[axis] - views.site_position[axis]
-    for column in range(3):
-        for axis in range(3):
-            following, last = (axis + 1) % 3, (axis + 2) % 3
-            error[3 + axis] += 0.5 * (
-                rotation[3 * following + column] * goal_rotation[last, column]
-                - rotation[3 * last + column] * goal_rotation[following, column]
+        error = goal[axis] - views.site_position[axis]
+        demand[axis] = POSITION_GAIN * error - DAMPING * demand[axis]
+    for axis in range(3):
+        following, last = (axis + 1) % 3, (axis + 2) % 3
+        error = 0.0
+        for column in range(3):
+            error += 0.5 * (
+                rotation[3 * following + column] * goal[3 + 3 * last + column]
+                - rotation[3 * last + column] * goal[3 + 3 * following + column]
             )
-    return error
+        demand[3 + axis] = POSITION_GAIN * error - DAMPING * demand[3 + axis]
 
 
-@numba.njit(nogil=True, cache=True)
-def _torques(goal_position: Any, goal_rotation: Any, rest: Any, arm: Any, views: Any) -> Any:
-    """Return the joint torques [N m] towards a goal pose in the world frame, ``(n, 1)``."""
-    count = arm.dofs.shape[0]
-    jacobian = np.empty((6, count))
-    mass = np.empty((count, count))
-    velocity = np.empty((count, 1))
-    pull = np.empty((count, 1))
-    for column in range(count):
-        dof = arm.dofs[column]
-        for axis in range(3):
-            jacobian[axis, column] = views.linear[axis, dof]
-            jacobian[3 + axis, column] = views.angular[axis, dof]
-        for row in range(count):
-            mass[row, column] = views.mass[arm.dofs[row], dof]
-        velocity[column, 0] = views.velocities[dof]
-        offset = rest[column] - views.positions[arm.joints[column]]
-        pull[column, 0] = (
-            NULLSPACE_GAIN * offset - 2.0 * np.sqrt(NULLSPACE_GAIN) * velocity[column, 0]
-        )
-    error = _pose_error(goal_position, goal_rotation, views)
-    twist = _product(jacobian, velocity)
-    demand = np.empty((6, 1))
+@_inlined
+def _find_mobility(scratch: Any) -> bool:
+    """Fill the inverse of the mass at the site; False if the arm's mass is not positive."""
+    table, mobility = scratch.arm, scratch.mobility
+    if not _eliminate_arm(table):
+        return False
+    for first in range(6):
+        for second in range(first + 1):
+            total = 0.0
+            for row in range(JOINTS):
+                total += table[row, JOINTS + first] * table[row, JOINTS + second]
+            mobility[first, second] = mobility[second, first] = total
+    return True
+
+
+@_inlined
+def _solve_wrench(scratch: Any) -> bool:
+    """Turn demanded accelerations into the wrench that causes them, less what the pull does.
+
+    Returns:
+        Whether the mobility is positive; else nothing is changed.
+    """
+    wrench, countered, mobility = scratch.wrench, scratch.countered, scratch.mobility
+    site, turning = scratch.site, scratch.turning
+    for row in range(6):
+        for column in range(6):
+            site[row, column] = mobility[row, column]
+        site[row, 6] = wrench[row]
+        site[row, 7] = countered[row]
+    for row in range(3):
+        for column in range(3):
+            turning[row, column] = mobility[3 + row, 3 + column]
+        turning[row, 3] = wrench[3 + row]
+    if not (_eliminate_site(site) and _eliminate_turning(turning)):
+        return False
+    # The factor of the linear block is the first part of the whole one's.
+    _substitute(site, 3, 6, wrench)
+    _substitute(turning, 3, 3, wrench[3:])
+    _substitute(site, 6, 7, countered)
     for axis in range(6):
-        damping = 2.0 * np.sqrt(POSITION_GAIN)
-        demand[axis, 0] = POSITION_GAIN * error[axis] - damping * twist[axis, 0]
-    mobility = _product(jacobian, _solve(mass, jacobian.T))
-    wrench = np.empty((6, 1))
-    wrench[:3] = _solve(mobility[:3, :3], demand[:3])
-    wrench[3:] = _solve(mobility[3:, 3:], demand[3:])
-    # The nullspace projector applied to mass @ pull, without forming it.
-    wrench -= _solve(mobility, _product(jacobian, pull))
-    return _product(jacobian.T, wrench) + _product(mass, pull)
+        wrench[axis] -= countered[axis]
+    return True
 
 
-@numba.njit(nogil=True, cache=True)
+@_compiled
+def _solve_singular(packed: Any, places: Any, jacobian: Any, wrench: Any, countered: Any) -> None:
+    """Do what `_find_mobility` and `_solve_wrench` do, by pseudo-inverses, as robosuite does.
+
+    Those cost more than the physics; they agree to rounding wherever a matrix is positive.
+    """
+    mass = np.empty((JOINTS, JOINTS))
+    for row in range(JOINTS):
+        for column in range(JOINTS):
+            mass[row, column] = packed[places[row, column]]
+    mobility = jacobian.T.copy() @ (np.linalg.pinv(mass) @ jacobian)
+    for block in (slice(0, 3), slice(3, 6)):
+        wrench[block] = np.linalg.pinv(mobility[block, block].copy()) @ wrench[block].copy()
+    wrench -= np.linalg.pinv(mobility) @ countered
+
+
+@_inlined
+def _command_arm(rest: Any, arm: Any, views: Any, scratch: Any) -> None:
+    """Set the arm's torques for one substep."""
+    _read_arm(rest, arm, views, scratch)
+    _demand_accelerations(views, scratch)
+    if not (_find_mobility(scratch) and _solve_wrench(scratch)):
+        _solve_singular(
+            views.packed_mass, arm.mass, scratch.jacobian, scratch.wrench, scratch.countered
+        )
+    for joint in range(JOINTS):
+        torque = scratch.torques[joint]
+        # The nullspace projector applied to the pull's torques, without forming it.
+        for axis in range(6):
+            torque += scratch.jacobian[joint, axis] * scratch.wrench[axis]
+        limited = min(max(torque, arm.torques[joint, 0]), arm.torques[joint, 1])
+        views.controls[arm.indices[joint, 2]] = limited
+
+
+@_inlined
+def _turn_of(vector: Any) -> Any:
+    """Return the matrix ``(3, 3)`` of a rotation vector [rad], rounded as robosuite rounds it.
+
+    robosuite makes a quaternion and casts it to float32 on the way: without that its goals are
+    missed by 1e-9 rad.
+    """
+    angle = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+    scaled = np.zeros(4, dtype=np.float32)
+    if angle == 0.0:
+        scaled[0] = 1.0
+    else:
+        scaled[0] = np.cos(angle / 2.0)
+        for axis in range(3):
+            scaled[1 + axis] = vector[axis] / angle * np.sin(angle / 2.0)
+    squared = np.dot(scaled, scaled)
+    scaled *= np.sqrt(2.0 / squared)
+    products = np.outer(scaled, scaled)
+    turn = np.empty((3, 3))
+    for axis in range(3):
+        following, last = (axis + 1) % 3, (axis + 2) % 3
+        lower, upper = 1 + min(following, last), 1 + max(following, last)
+        turn[axis, axis] = 1.0 - products[lower, lower] - products[upper, upper]
+        turn[axis, following] = products[1 + axis, 1 + following] - products[1 + last, 0]
+        turn[axis, last] = products[1 + axis, 1 + last] + products[1 + following, 0]
+    return turn
+
+
+@_inlined
+def _set_goal(action: Any, arm: Any, views: Any, goal: Any) -> None:
+    """Write the goal: from the pose achieved by now, not from the previous goal."""
+    base = arm.base_rotation
+    inverse = base.T.copy()
+    rotation = views.site_rotation.copy().reshape(3, 3)
+    offset = views.site_position - arm.base_position
+    turn = _turn_of(action[3:6] * ROTATION_SCALE)
+    goal[:3] = arm.base_position + base @ (inverse @ offset + action[:3] * POSITION_SCALE)
+    goal[3:] = (base @ (turn @ (inverse @ rotation))).ravel()
+
+
+@_inlined
+def _command_fingers(gripper: float, arm: Any, views: Any) -> None:
+    """Set the fingers' controls; they move against each other."""
+    for finger in range(2):
+        low, high = arm.strokes[finger, 0], arm.strokes[finger, 1]
+        share = gripper if finger == 1 else -gripper
+        target = 0.5 * (high + low) + 0.5 * (high - low) * share
+        views.controls[arm.fingers[finger]] = min(max(target, low), high)
+
+
+@_compiled
 def run_control_step(
     functions: Functions,
     views: Views,
     arm: Arm,
-    shift: NDArray[np.float64],
-    turn: NDArray[np.float64],
+    action: NDArray[np.float64],
+    gripper: float,
     rest: NDArray[np.float64],
     substeps: int,
-) -> None:
+) -> float:
     """Advance the simulation by one control step.
 
     Args:
         functions: C functions and structures.
         views: Arrays of the same ``MjData``.
-        arm: Where the arm is in them.
-        shift: Commanded displacement of the grip site [m], base frame, ``(3,)``.
-        turn: Commanded rotation, multiplied from the left, base frame, ``(3, 3)``.
-        rest: Joint positions that the nullspace torque pulls towards [rad], ``(n,)``.
+        arm: Where arm and gripper are in them.
+        action: Displacement, rotation vector (both in the base frame) and gripper as shares of
+            the greatest ones; clipped to [-1, 1], ``(7,)``.
+        gripper: What the gripper's commands have added up to, in [-1, 1].
+        rest: Joint positions that the nullspace torque pulls towards [rad], ``(7,)``.
         substeps: Number of physics steps.
+
+    Returns:
+        What the gripper's commands have added up to now.
     """
-    model, data = functions.model, functions.data
-    goal_position = np.zeros(3)
-    goal_rotation = np.zeros((3, 3))
-    base = arm.base_rotation
+    scratch = _Scratch(
+        np.empty(12),
+        np.empty((JOINTS, 6)),
+        np.empty((6, 6)),
+        np.empty((JOINTS, JOINTS + 6)),
+        np.empty((6, 8)),
+        np.empty((3, 4)),
+        np.empty(JOINTS),
+        np.empty(6),
+        np.empty(6),
+    )
+    clipped = np.minimum(np.maximum(action, -1.0), 1.0)
+    gripper = min(max(gripper + GRIPPER_SPEED * np.sign(clipped[6]), -1.0), 1.0)
+    _command_fingers(gripper, arm, views)
     for substep in range(substeps):
-        _call(functions.step1, (model, data))
+        _call(functions.step1, (functions.model, functions.data))
         if substep == 0:
-            # The goal starts from the pose achieved by now, not from the previous goal.
-            rotation = views.site_rotation.copy().reshape(3, 3)
-            offset = views.site_position - arm.base_position
-            goal_position[:] = arm.base_position + base @ (base.T.copy() @ offset + shift)
-            goal_rotation[:] = base @ (turn @ (base.T.copy() @ rotation))
-        _call(functions.full_mass, (model, views.mass.ctypes.data, views.packed_mass.ctypes.data))
-        _call(
-            functions.site_jacobian,
-            (model, data, views.linear.ctypes.data, views.angular.ctypes.data, arm.site),
-        )
-        torque = _torques(goal_position, goal_rotation, rest, arm, views)
-        for joint in range(arm.dofs.shape[0]):
-            total = torque[joint, 0] + views.bias[arm.dofs[joint]]
-            limited = min(max(total, arm.torque_low[joint]), arm.torque_high[joint])
-            views.controls[arm.actuators[joint]] = limited
-        _call(functions.step2, (model, data))
+            _set_goal(clipped, arm, views, scratch.goal)
+        _command_arm(rest, arm, views, scratch)
+        _call(functions.step2, (functions.model, functions.data))
+    return gripper

@@ -54,40 +54,25 @@ class CompiledStepper:
     """
 
     def __init__(self, model: Any, data: Any, panda: Panda) -> None:
-        from robosuite.utils.transform_utils import axisangle2quat, quat2mat
-
+        # numba takes a second to import: only where it is used.
         from prime_envs_robosuite import control_law
 
         self.gripper_command = 0.0
         self.rest: Array = np.zeros(len(panda.joint_addresses))
         self._owners = (model, data)
-        # robosuite's own functions, for they round to float32 on the way.
-        self._quaternion, self._matrix = axisangle2quat, quat2mat
         self._run = control_law.run_control_step
         self._functions = _functions(model, data)
         self._views = _views(model, data, panda)
         self._arm = _arm(model, data, panda)
-        fingers = panda.finger_actuators
-        self._fingers = fingers
-        self._finger_range = model.actuator_ctrlrange[fingers].copy()
-        self._controls = data.ctrl
 
     def step(self, action: Array) -> None:
         """Advance by one control step; see `Stepper`."""
-        clipped = np.clip(action, -1.0, 1.0)
-        turn = self._matrix(self._quaternion(clipped[3:6] * ROTATION_SCALE))
-        moved = self.gripper_command + GRIPPER_SPEED * np.sign(clipped[6])
-        self.gripper_command = float(np.clip(moved, -1.0, 1.0))
-        low, high = self._finger_range.T
-        share = np.array([-self.gripper_command, self.gripper_command])
-        target = 0.5 * (high + low) + 0.5 * (high - low) * share
-        self._controls[self._fingers] = np.clip(target, low, high)
-        self._run(
+        self.gripper_command = self._run(
             self._functions,
             self._views,
             self._arm,
-            clipped[:3] * POSITION_SCALE,
-            np.ascontiguousarray(turn, dtype=np.float64),
+            action,
+            self.gripper_command,
             self.rest,
             SUBSTEPS,
         )
@@ -138,12 +123,12 @@ def _functions(model: Any, data: Any) -> Any:
     from prime_envs_robosuite.control_law import Functions
 
     library = ctypes.CDLL(str(_library_path()))
-    names = ("mj_step1", "mj_step2", "mj_fullM", "mj_jacSite")
-    addresses = [ctypes.cast(getattr(library, name), ctypes.c_void_p).value for name in names]
-    step1, step2, full_mass, site_jacobian = (int(address or 0) for address in addresses)
-    return Functions(
-        step1, step2, full_mass, site_jacobian, int(model._address), int(data._address)
-    )
+    addresses = [
+        ctypes.cast(getattr(library, name), ctypes.c_void_p).value
+        for name in ("mj_step1", "mj_step2")
+    ]
+    step1, step2 = (int(address or 0) for address in addresses)
+    return Functions(step1, step2, int(model._address), int(data._address))
 
 
 def _library_path() -> Path:
@@ -158,32 +143,48 @@ def _library_path() -> Path:
 def _views(model: Any, data: Any, panda: Panda) -> Any:
     from prime_envs_robosuite.control_law import Views
 
+    arm_body = model.dof_bodyid[panda.dof_addresses[0]]
     return Views(
         positions=data.qpos,
         velocities=data.qvel,
         bias=data.qfrc_bias,
         controls=data.ctrl,
         packed_mass=data.qM,
+        axes=data.cdof,
+        centre=data.subtree_com[model.body_rootid[arm_body]],
         site_position=data.site_xpos[panda.grip_site],
         site_rotation=data.site_xmat[panda.grip_site],
-        mass=np.zeros((model.nv, model.nv)),
-        linear=np.zeros((3, model.nv)),
-        angular=np.zeros((3, model.nv)),
     )
 
 
 def _arm(model: Any, data: Any, panda: Panda) -> Any:
     from prime_envs_robosuite.control_law import Arm
 
-    limits = model.actuator_ctrlrange[panda.arm_actuators]
     position, rotation = panda.base_pose(data)
+    indices = (panda.joint_addresses, panda.dof_addresses, panda.arm_actuators)
     return Arm(
-        joints=panda.joint_addresses,
-        dofs=panda.dof_addresses,
-        actuators=panda.arm_actuators,
-        torque_low=limits[:, 0].copy(),
-        torque_high=limits[:, 1].copy(),
+        indices=np.stack(indices, axis=1),
+        mass=_mass_addresses(model, panda.dof_addresses.tolist()),
+        torques=model.actuator_ctrlrange[panda.arm_actuators].copy(),
         base_position=position,
         base_rotation=rotation,
-        site=panda.grip_site,
+        fingers=panda.finger_actuators,
+        strokes=model.actuator_ctrlrange[panda.finger_actuators].copy(),
     )
+
+
+def _mass_addresses(model: Any, dofs: list[int]) -> NDArray[np.int64]:
+    """Return where in ``qM`` the inertia between two joints of a chain is, ``(n, n)``.
+
+    MuJoCo keeps, for each joint, its own inertia and then those between it and each joint that
+    carries it, from the nearest to the base.
+    """
+    addresses = np.empty((len(dofs), len(dofs)), dtype=np.int64)
+    for row, dof in enumerate(dofs):
+        address, carrier = int(model.dof_Madr[dof]), dof
+        while carrier >= 0:
+            if carrier in dofs:
+                column = dofs.index(carrier)
+                addresses[row, column] = addresses[column, row] = address
+            address, carrier = address + 1, int(model.dof_parentid[carrier])
+    return addresses
