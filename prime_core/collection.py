@@ -154,7 +154,7 @@ def collect_episode(
     undone = 0
     for _ in range(config.draws_per_episode):
         if generator.random() < config.atomic_share:
-            recording.extend(run_actions(environment, _random_actions(config, generator)))
+            _act_randomly(environment, primitives, config, generator, recording)
             continue
         recording.extend(settle(environment, recording.last_action))
         if not _try_primitive(environment, primitives, config, generator, recording, draws):
@@ -163,6 +163,25 @@ def collect_episode(
                 break
     others = draw_other_pairs(len(recording.scenes), recording.rollouts, config, generator)
     return recording.finish(space.width, others), draws
+
+
+def _act_randomly(
+    environment: Environment,
+    primitives: Sequence[Primitive],
+    config: CollectionConfig,
+    generator: np.random.Generator,
+    recording: _Recording,
+) -> None:
+    """Run random motor actions; undo them where no primitive can start any more.
+
+    They may stretch an arm until its elbow locks: all that came after would be lost.
+    """
+    state = environment.get_state()
+    execution = run_actions(environment, _random_actions(config, generator))
+    if any(item.can_start(execution.scenes[-1]) for item in primitives):
+        recording.extend(execution)
+    else:
+        environment.set_state(state)
 
 
 def _random_actions(config: CollectionConfig, generator: np.random.Generator) -> Array:

@@ -150,7 +150,7 @@ def settle(
 
 
 def _step(environment: Environment, action: Action, on_step: OnStep | None) -> tuple[Scene, bool]:
-    clipped = np.clip(action, -ACTION_LIMIT, ACTION_LIMIT)
+    clipped = np.minimum(np.maximum(action, -ACTION_LIMIT), ACTION_LIMIT)
     _, _, solved, _, _ = environment.step(clipped)
     scene = environment.scene()
     if on_step is not None:

@@ -1,5 +1,6 @@
 """From a 5-number motor action to the 7 numbers of robosuite's controller."""
 
+import math
 from typing import Any
 
 import mujoco
@@ -7,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.environment import ACTION_LIMIT
-from prime_core.rotations import gripper_down, yaw_of
 from prime_envs_robosuite.panda import Panda
 from prime_envs_robosuite.stepping import POSITION_SCALE, ROTATION_SCALE
 
@@ -25,15 +25,13 @@ def controller_command(action: Array, panda: Panda, data: Any) -> Array:
     Returns:
         Displacement and rotation vector in the base frame and gripper, in [-1, 1], ``(7,)``.
     """
-    clipped = np.clip(action, -ACTION_LIMIT, ACTION_LIMIT)
-    _, rotation = panda.gripper_pose(data)
-    _, base = panda.base_pose(data)
-    turn = _turn_to(rotation, float(clipped[3]))
+    clipped = np.minimum(np.maximum(action, -ACTION_LIMIT), ACTION_LIMIT)
+    to_base = data.site_xmat[panda.base_site].reshape(3, 3).T
     command = np.empty(7)
-    command[:3] = base.T @ clipped[:3] / POSITION_SCALE
-    command[3:6] = base.T @ turn / ROTATION_SCALE
+    command[:3] = to_base @ clipped[:3] / POSITION_SCALE
+    command[3:6] = to_base @ _turn_to(panda.gripper_rotation(data), clipped[3]) / ROTATION_SCALE
     command[6] = clipped[4]
-    return np.clip(command, -1.0, 1.0)
+    return np.minimum(np.maximum(command, -1.0), 1.0)
 
 
 def _turn_to(rotation: Array, yaw_change: float) -> Array:
@@ -43,12 +41,11 @@ def _turn_to(rotation: Array, yaw_change: float) -> Array:
         rotation: Of the gripper, ``(3, 3)``.
         yaw_change: [rad].
     """
-    current = np.empty(4)
+    half = 0.5 * (math.atan2(rotation[1, 0], rotation[0, 0]) + yaw_change)
+    target = np.array([0.0, math.cos(half), math.sin(half), 0.0])  # see `rotations.gripper_down`
+    current, inverse, difference = np.empty(4), np.empty(4), np.empty(4)
     mujoco.mju_mat2Quat(current, rotation.ravel())
-    target = gripper_down(yaw_of(current) + yaw_change)
-    inverse = np.empty(4)
     mujoco.mju_negQuat(inverse, current)
-    difference = np.empty(4)
     mujoco.mju_mulQuat(difference, target, inverse)
     vector = np.empty(3)
     mujoco.mju_quat2Vel(vector, difference, 1.0)

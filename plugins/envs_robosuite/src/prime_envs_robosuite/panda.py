@@ -68,8 +68,12 @@ class Panda:
 
     def gripper_pose(self, data: Any) -> tuple[Array, Array]:
         """Return the gripper's position [m] ``(3,)`` and rotation ``(3, 3)``, world frame."""
-        rotation = data.site_xmat[self.grip_site].reshape(3, 3) @ SITE_TO_GRIPPER
-        return data.site_xpos[self.grip_site].copy(), rotation
+        return data.site_xpos[self.grip_site].copy(), self.gripper_rotation(data)
+
+    def gripper_rotation(self, data: Any) -> Array:
+        """Return the gripper's rotation ``(3, 3)``, world frame."""
+        rotation: Array = data.site_xmat[self.grip_site].reshape(3, 3) @ SITE_TO_GRIPPER
+        return rotation
 
     def base_pose(self, data: Any) -> tuple[Array, Array]:
         """Return the base's position [m] ``(3,)`` and rotation ``(3, 3)``, world frame."""

@@ -1,6 +1,7 @@
 """One physics simulation of a Panda task: exact states, resets, and what is in it now."""
 
 import importlib.metadata
+import math
 from typing import Any, Literal
 
 import numpy as np
@@ -190,9 +191,8 @@ class Simulation:
 
     def motions(self) -> list[Motion]:
         """Return how each object moves."""
-        velocities = [self.data.qvel[dof : dof + 6] for dof in self._object_dofs]
-        norms = [(np.linalg.norm(item[:3]), np.linalg.norm(item[3:])) for item in velocities]
-        return [Motion(float(speed), float(turning)) for speed, turning in norms]
+        velocities = [self.data.qvel[dof : dof + 6].tolist() for dof in self._object_dofs]
+        return [Motion(math.hypot(*item[:3]), math.hypot(*item[3:])) for item in velocities]
 
     def touches(self) -> list[tuple[bool, bool]]:
         """Return for each object whether the left and the right finger touch it."""

@@ -76,6 +76,14 @@ class Elbow:
         result[self.joint, int(self.side > 0)] = self.centre - self.side * RESERVE
         return result
 
+    def is_locked(self, joints: Array) -> bool:
+        """Whether the elbow is bent beyond its dead centre.
+
+        Args:
+            joints: Joint positions [rad], ``(J,)``.
+        """
+        return bool((joints[self.joint] - self.centre) * self.side > 0)
+
     def braked(self, move: Array, arm: Array) -> Array:
         """Shorten a move that stretches the arm.
 

@@ -39,9 +39,9 @@ class Grasp(ScriptedPrimitive):
         self._closing_steps = config.closing_steps
         self.maximum_steps += config.closing_steps
 
-    def can_start(self, scene: Scene) -> bool:
+    def suits(self, held: str | None) -> bool:
         """Only with nothing held."""
-        return scene.held is None
+        return held is None
 
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
         """Return the centres for grasping."""

@@ -1,4 +1,4 @@
-"""Inverse kinematics with limits: the only module that imports mink and mujoco.
+"""Inverse kinematics with limits: the only module that imports mink.
 
 A differential step solves, for the change of joint positions dq,
 
@@ -75,18 +75,30 @@ class InverseKinematics:
         if robot.joint_velocity_limits:
             speeds = dict(zip(robot.joint_names, robot.joint_velocity_limits, strict=True))
             self._limits.append(mink.VelocityLimit(self._model, speeds))
-        self._hand, self._furniture = (
+        hand, furniture = (
             [int(self._model.geom(name).id) for name in names]
             for names in (robot.hand_geoms, robot.furniture_geoms)
         )
         data = self._configuration.data
-        self._clearance = Clearance(self._model, data, self._hand, self._furniture, NOTICE_DISTANCE)
+        self._clearance = Clearance(self._model, data, hand, furniture)
         self._collision_limit = mink.CollisionAvoidanceLimit(
             self._model,
-            [(self._hand, self._furniture)],
+            [(hand, furniture)],
             minimum_distance_from_collisions=CLEARANCE,
             collision_detection_distance=NOTICE_DISTANCE,
         )
+
+    def is_locked(self, joints: Array) -> bool:
+        """Whether the arm is stretched beyond where it can be pulled in again.
+
+        Args:
+            joints: Joint positions [rad], ``(J,)``.
+        """
+        if self._elbow is None:
+            return False
+        ordered = np.empty(self._model.nq)
+        ordered[self._order] = joints
+        return self._elbow.is_locked(ordered)
 
     def forward(self, joints: Array) -> Array:
         """Return the goal ``(4,)`` that joint positions ``(J,)`` [rad] put the gripper at."""
@@ -110,11 +122,12 @@ class InverseKinematics:
         if self._elbow is not None:
             arm = data.xanchor[WRIST] - data.xanchor[SHOULDER]
             move = self._elbow.braked(move, arm)
-        if self.room(joints) > FREE_ANGLE and not self._clearance.is_near(data):
+        clear = self._clearance.allows(data, move, CLEARANCE)
+        if clear and self.room(joints) > FREE_ANGLE:
             return move
         self._configuration.update(self._inside(joints))
         self._aim(here + move)
-        self._advance()
+        self._advance(avoid_collisions=not clear)
         return offset(self._gripper_goal(), here)
 
     def solve(self, joints: Array, goal: Array) -> Array | None:
@@ -141,7 +154,8 @@ class InverseKinematics:
             if idle == IDLE_STEPS:
                 return None
             best = min(best, left)
-            self._advance()
+            # The goal says where the hand ends up; whether it is clear there is asked then.
+            self._advance(avoid_collisions=False)
         return None
 
     def room(self, joints: Array) -> float:
@@ -150,15 +164,8 @@ class InverseKinematics:
         return float(np.minimum(joints - low, high - joints).min())
 
     def _is_clear(self) -> bool:
-        """Whether the hand is outside of all furniture; a step may end inside of a thin wall."""
-        data = self._configuration.data
-        if not self._clearance.is_near(data):
-            return True
-        return all(
-            mujoco.mj_geomDistance(self._model, data, hand, furniture, CLEARANCE, None) > -CLEARANCE
-            for hand in self._hand
-            for furniture in self._furniture
-        )
+        """Whether the hand is outside of all furniture."""
+        return self._clearance.exceeds(self._configuration.data, -CLEARANCE)
 
     def _find_elbow(self) -> Elbow | None:
         """Return the elbow of an arm whose joints all have limits."""
@@ -183,10 +190,8 @@ class InverseKinematics:
         pose = mink.SE3(wxyz_xyz=np.concatenate((gripper_down(goal[3]), goal[:3])))
         self._task.set_target(pose)
 
-    def _advance(self) -> None:
-        limits = self._limits
-        if self._clearance.is_near(self._configuration.data):
-            limits = [*limits, self._collision_limit]
+    def _advance(self, *, avoid_collisions: bool) -> None:
+        limits = [*self._limits, self._collision_limit] if avoid_collisions else self._limits
         try:
             velocity = self._velocity(limits)
         except mink.NoSolutionFound:

@@ -46,9 +46,9 @@ class Place(ScriptedPrimitive):
         self._opening_steps = config.opening_steps
         self.maximum_steps += config.opening_steps
 
-    def can_start(self, scene: Scene) -> bool:
+    def suits(self, held: str | None) -> bool:
         """Only with something held."""
-        return scene.held is not None
+        return held is not None
 
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
         """Return the centres for placing, but for those that go with what is held."""

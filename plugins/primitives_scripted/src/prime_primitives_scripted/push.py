@@ -67,9 +67,9 @@ class Push(ScriptedPrimitive):
         self.parameter_space = ParameterSpace((*self._pose_space.parameters, *displacement))
         self.maximum_steps += config.pushing_steps
 
-    def can_start(self, scene: Scene) -> bool:
+    def suits(self, held: str | None) -> bool:
         """Only with nothing held."""
-        return scene.held is None
+        return held is None
 
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
         """Return where pushes may start."""

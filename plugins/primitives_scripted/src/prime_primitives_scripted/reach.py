@@ -38,7 +38,7 @@ class Reach(ScriptedPrimitive):
         super().__init__(config, description)
         self._closed_below = config.closed_below
 
-    def can_start(self, scene: Scene) -> bool:
+    def suits(self, held: str | None) -> bool:
         """It makes sense anywhere."""
         return True
 

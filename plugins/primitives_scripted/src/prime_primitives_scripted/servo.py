@@ -16,11 +16,16 @@ Array = NDArray[np.float64]
 
 COMFORT = 0.4
 """Distance from the joints' limits with which the shorter turn is taken [rad]."""
+REMEMBERED = 4  # plans; a motion asks for two at most, those that its draw was judged by
 MOVE_LIMIT = ACTION_LIMIT[:4]
 
 
 class Servo:
     """Makes moves that an action can hold, along a straight line."""
+
+    def is_stuck(self, scene: Scene) -> bool:
+        """Whether no move would bring the gripper where it is told to go."""
+        return False
 
     def move(self, scene: Scene, wanted: Array) -> Array:
         """Return the move that one action can make of the one that is wanted.
@@ -58,16 +63,22 @@ class KinematicServo(Servo):
     def __init__(self, inverse_kinematics: "InverseKinematics", lift_height: float) -> None:
         self._inverse_kinematics = inverse_kinematics
         self._lift_height = lift_height
-        self._answered: tuple[bytes, Array | None] | None = None
+        self._answered: dict[bytes, Array | None] = {}
+
+    def is_stuck(self, scene: Scene) -> bool:
+        """Whether the arm is stretched so far that its elbow is locked."""
+        return self._inverse_kinematics.is_locked(scene.joint_positions)
 
     def plan(self, scene: Scene, parameters: Array) -> Array | None:
         """Return the nearest goal that can be reached from above; see `Servo`."""
         # A motion starts with the plan that was asked for before it was tried.
         numbers = (scene.joint_positions, scene.gripper_quaternion, parameters)
         question = b"".join(np.ascontiguousarray(item).tobytes() for item in numbers)
-        if self._answered is None or self._answered[0] != question:
-            self._answered = (question, self._solve(scene, parameters))
-        return self._answered[1]
+        if question not in self._answered:
+            if len(self._answered) >= REMEMBERED:
+                self._answered.pop(next(iter(self._answered)))
+            self._answered[question] = self._solve(scene, parameters)
+        return self._answered[question]
 
     def move(self, scene: Scene, wanted: Array) -> Array:
         """Return the nearest move that the arm's limits allow; see `Servo`."""
@@ -107,8 +118,9 @@ def limited(move: Array) -> Array:
     Returns:
         ``(4,)``.
     """
-    excess = max(1.0, float(np.max(np.abs(move) / MOVE_LIMIT)))
-    return np.clip(move / excess, -MOVE_LIMIT, MOVE_LIMIT)
+    excess = max(1.0, float((np.abs(move) / MOVE_LIMIT).max()))
+    shortened: Array = np.minimum(np.maximum(move / excess, -MOVE_LIMIT), MOVE_LIMIT)
+    return shortened
 
 
 def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo:
