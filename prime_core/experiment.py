@@ -44,9 +44,9 @@ class Experiment:
             infra=infra,
         )
         self.collection = Collection(
-            environment=environment,
-            primitives=tuple(dump_choice(item) for item in config.primitives),
-            settings=config.collection.model_dump(mode="json"),
+            environments=tuple(map(dump_choice, config.collection.environments)) or (environment,),
+            primitives=tuple(map(dump_choice, config.primitives)),
+            settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
             infra=infra,
         )

@@ -12,7 +12,6 @@ from prime_core.atomic import new_file
 from prime_core.experiment import Experiment
 from prime_core.running import wall_seconds
 from prime_core.stages.stage import TIMING, Result, Stage
-from prime_core.stages.world import build_world
 
 _PACKAGES = ("robosuite", "mujoco", "mink", "torch", "lerobot", "numpy", "exca")
 
@@ -64,8 +63,7 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
 
 
 def _primitive_names(experiment: Experiment) -> list[str]:
-    collection = experiment.collection
-    return list(build_world(collection.environment, collection.primitives).space.names)
+    return list(experiment.collection.build_world().space.names)
 
 
 def _without_timing(result: Result) -> Result:
