@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from prime_core.choices import EnvironmentChoice
 from prime_core.configuration import Config
 from prime_core.environment import ACTION_LIMIT, Environment
 from prime_core.execution import Execution, run_actions, run_primitive, settle
@@ -19,6 +20,9 @@ from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene
 class CollectionConfig(Config):
     """Settings of the collection."""
 
+    environments: tuple[EnvironmentChoice, ...] = ()
+    """Where to collect: episode n in environment n modulo their number. None given: where the task
+    is. Their objects, robots and workspaces must be those of the task's environment."""
     episodes: int = Field(2250, ge=1)
     """Episodes in all (paper, PickPlace: 45 workers x 50)."""
     episodes_per_shard: int = Field(5, ge=1)

@@ -29,9 +29,11 @@ def read_results(path: Path) -> dict[str, Any]:
     if not isinstance(found, dict) or not {"name", "results"} <= set(found):
         raise PrimeError(f"{file}: a results file has the keys 'name' and 'results'")
     try:
-        _figures(found["results"])
+        _all_figures(found)
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise PrimeError(f"{file}: 'results' is not what prime run leaves: {error!r}") from None
+        raise PrimeError(
+            f"{file}: 'results' or 'variants' is not what prime run leaves: {error!r}"
+        ) from None
     return found
 
 
@@ -44,7 +46,7 @@ def comparison_rows(files: Sequence[dict[str, Any]]) -> list[list[str]]:
     Returns:
         Rows of what it is and one cell for each file.
     """
-    columns = [_figures(item["results"]) for item in files]
+    columns = [_all_figures(item) for item in files]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = [[name, *(column.get(name, NOTHING) for column in columns)] for name in names]
     return [["what", *(str(item["name"]) for item in files)], *rows]
@@ -54,6 +56,14 @@ def markdown(rows: Sequence[Sequence[str]]) -> str:
     """Return a table in Markdown; the first row is its heading."""
     lines = [f"| {' | '.join(row)} |" for row in rows]
     return "\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]])
+
+
+def _all_figures(file: dict[str, Any]) -> dict[str, str]:
+    """Return the figures of an experiment, then those of its variants, by what they are."""
+    found = _figures(file["results"])
+    for name, variant in file.get("variants", {}).items():  # older files have none
+        found |= {f"{name}: {what}": figure for what, figure in _figures(variant).items()}
+    return found
 
 
 def _figures(results: dict[str, Any]) -> dict[str, str]:

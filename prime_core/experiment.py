@@ -28,8 +28,7 @@ class Experiment:
     Attributes:
         config: The experiment.
         folder: Where it keeps everything.
-        stages: By name; policies and their evaluations are ``policy.NAME``,
-            ``evaluation.NAME`` and ``video.NAME``.
+        variants: The experiments that its variants are, by name, in the same folder.
     """
 
     def __init__(self, config: ExperimentConfig, folder: Path) -> None:
@@ -44,9 +43,9 @@ class Experiment:
             infra=infra,
         )
         self.collection = Collection(
-            environment=environment,
-            primitives=tuple(dump_choice(item) for item in config.primitives),
-            settings=config.collection.model_dump(mode="json"),
+            environments=tuple(map(dump_choice, config.collection.environments)) or (environment,),
+            primitives=tuple(map(dump_choice, config.primitives)),
+            settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
             infra=infra,
         )
@@ -79,6 +78,10 @@ class Experiment:
             self.evaluations[name] = Evaluation(training=training, settings=settings, infra=infra)
             steps = config.evaluation.maximum_steps
             self.videos[name] = Video(training=training, maximum_steps=steps, infra=infra)
+        self.variants = {
+            name: Experiment(variant, folder)
+            for name, variant in config.resolved_variants().items()
+        }
 
     def _infra(self) -> dict[str, Any]:
         compute = self.config.compute
@@ -106,7 +109,35 @@ class Experiment:
 
     @property
     def stages(self) -> dict[str, Stage]:
-        """All stages by name, in order."""
+        """All stages by name, in order.
+
+        Policies and their evaluations are ``policy.NAME``, ``evaluation.NAME`` and
+        ``video.NAME``. After the experiment's own come those of variants, ``VARIANT/STAGE``; one
+        that depends on the same as an earlier stage is that stage, and not named again.
+        """
+        stages = self._own_stages()
+        for name in self.variants:
+            known = _identities(stages)
+            stages |= {
+                f"{name}/{step}": stage
+                for step, stage in self.differing(name).items()
+                if stage.infra.uid() not in known
+            }
+        return stages
+
+    def differing(self, variant: str) -> dict[str, Stage]:
+        """Return a variant's stages that are none of the experiment's, by their own names.
+
+        What is made for people to look at, export and videos, the experiment makes of itself only.
+        """
+        known = _identities(self._own_stages())
+        return {
+            step: stage
+            for step, stage in self.variants[variant]._own_stages().items()
+            if not isinstance(stage, (Export, Video)) and stage.infra.uid() not in known
+        }
+
+    def _own_stages(self) -> dict[str, Stage]:
         stages: dict[str, Stage] = {
             "demonstrations": self.demonstrations,
             "collection": self.collection,
@@ -135,6 +166,11 @@ class Experiment:
                 f"--until {last}: there is no such stage. There are: {', '.join(stages)}"
             )
         return dict(_through(stages.items(), last))
+
+
+def _identities(stages: dict[str, Stage]) -> set[str]:
+    """Return what exca tells stages apart by: their kind, and all that they depend on."""
+    return {stage.infra.uid() for stage in stages.values()}
 
 
 def _through(items: Iterable[tuple[str, Stage]], last: str) -> Iterable[tuple[str, Stage]]:

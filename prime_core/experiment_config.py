@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import yaml
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, field_validator, model_validator
 
 from prime_core.choices import (
     DemonstratorChoice,
@@ -22,6 +22,7 @@ from prime_core.errors import ConfigurationError
 from prime_core.evaluation import EvaluationConfig
 from prime_core.pair_data import PairConfig
 from prime_core.policy_data import AugmentationConfig
+from prime_core.variants import Changes, with_changes
 
 SLURM_KEYS = ("partition", "account", "qos", "constraint", "memory_gb", "minutes", "setup")
 """Keys of `ComputeConfig` that mean nothing on this machine alone."""
@@ -94,6 +95,8 @@ class ExperimentConfig(Config):
     """How policies are evaluated."""
     compute: ComputeConfig = ComputeConfig()
     """Where the experiment runs."""
+    variants: dict[str, Changes] = Field(default_factory=dict)
+    """The experiment with some keys changed, by names of your choice."""
 
     @field_validator("name")
     @classmethod
@@ -102,13 +105,13 @@ class ExperimentConfig(Config):
             raise ValueError(f"found {name!r}: use letters, digits, '-', '_' and '.' only")
         return name
 
-    @field_validator("policies")
+    @field_validator("policies", "variants")
     @classmethod
-    def _policy_names_are_words(cls, policies: dict[str, Any]) -> dict[str, Any]:
-        for name in policies:
+    def _names_are_words(cls, named: dict[str, Any]) -> dict[str, Any]:
+        for name in named:
             if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
                 raise ValueError(f"found the name {name!r}: use letters, digits, '-', '_' only")
-        return policies
+        return named
 
     @field_validator("seeds")
     @classmethod
@@ -116,6 +119,25 @@ class ExperimentConfig(Config):
         if len(set(seeds)) != len(seeds):
             raise ValueError(f"found {list(seeds)}: each seed may be named once only")
         return seeds
+
+    @model_validator(mode="after")
+    def _variants_are_experiments(self) -> Self:
+        self.resolved_variants()
+        return self
+
+    def resolved_variants(self) -> dict[str, "ExperimentConfig"]:
+        """Return the experiments that the variants are, by their names.
+
+        Raises:
+            pydantic.ValidationError: If one is wrong; its place begins with ``variants``.
+        """
+        if not self.variants:
+            return {}
+        data = self.model_dump(mode="json", exclude={"variants"})
+        changed = {name: with_changes(data, changes) for name, changes in self.variants.items()}
+        # In mappings as in the experiment, so that the place of a mistake reads as it does there.
+        places = TypeAdapter(dict[str, dict[str, ExperimentConfig]])
+        return places.validate_python({"variants": changed})["variants"]
 
 
 def read_experiment(path: Path, settings: Sequence[str] = ()) -> ExperimentConfig:
@@ -245,5 +267,9 @@ def _load_yaml(text: str, source: str) -> Any:
 
 
 def dump_experiment(config: ExperimentConfig) -> str:
-    """Return an experiment as YAML, all defaults written out."""
-    return yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False)
+    """Return an experiment as YAML, all defaults written out, those of variants' changes too."""
+    data = config.model_dump(mode="json")
+    for name, variant in config.resolved_variants().items():
+        resolved = variant.model_dump(mode="json", exclude={"variants"})
+        data["variants"][name] = {key: new for key, new in resolved.items() if new != data[key]}
+    return yaml.safe_dump(data, sort_keys=False)

@@ -71,12 +71,13 @@ def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstra
 
 
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:
-    world = build_world(experiment.collection.environment, experiment.collection.primitives)
+    environment = experiment.demonstrations.environment
+    world = build_world(environment, experiment.collection.primitives)
     write_dataset(
         target,
         [item.demonstration for item in parsed],
         world.description,
-        environment=experiment.collection.environment,
+        environment=environment,
         segments=[item.segments for item in parsed],
         space=world.space,
     )

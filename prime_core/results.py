@@ -12,7 +12,6 @@ from prime_core.atomic import new_file
 from prime_core.experiment import Experiment
 from prime_core.running import wall_seconds
 from prime_core.stages.stage import TIMING, Result, Stage
-from prime_core.stages.world import build_world
 
 _PACKAGES = ("robosuite", "mujoco", "mink", "torch", "lerobot", "numpy", "exca")
 
@@ -20,7 +19,8 @@ _PACKAGES = ("robosuite", "mujoco", "mink", "torch", "lerobot", "numpy", "exca")
 def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, Any]:
     """Write ``results.json`` and, for each evaluated policy, ``trials-NAME.json``.
 
-    Files whose content would be the same are left alone.
+    Of a variant's policies it is ``trials-VARIANT.NAME.json``; no policy's name holds a dot. Files
+    whose content would be the same are left alone.
 
     Args:
         experiment: Whose stages may be done or not.
@@ -30,17 +30,6 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
         What ``results.json`` holds.
     """
     done = {name: stage for name, stage in experiment.stages.items() if not stage.missing()}
-    summaries: dict[str, Callable[[], Any]] = {
-        "collection": lambda: experiment.collection.summary(_primitive_names(experiment)),
-        "idm": lambda: _without_timing(experiment.idm.results()[0]),
-        "parsing": experiment.parsing.summary,
-        "replay": experiment.replay.summary,
-    }
-    for name, evaluation in experiment.evaluations.items():
-        summaries[f"evaluation.{name}"] = evaluation.summary
-        if f"evaluation.{name}" in done:
-            text = json.dumps(evaluation.trials())
-            write_if_changed(experiment.folder / f"trials-{name}.json", text)
     results = {
         "name": experiment.config.name,
         "command": list(command),
@@ -51,21 +40,47 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
             "policies": list(experiment.config.seeds),
             "evaluation": experiment.config.evaluation.seed,
         },
-        "results": {name: make() for name, make in summaries.items() if name in done},
+        "results": _gather(experiment, done, "trials-"),
+        "variants": {
+            name: _gather(variant, experiment.differing(name), f"trials-{name}.")
+            for name, variant in experiment.variants.items()
+        },
         "timing": {name: _timing(stage) for name, stage in done.items()},
     }
     path = experiment.folder / "results.json"
     if path.exists():
         before = json.loads(path.read_text(encoding="utf-8"))
-        if before["results"] == results["results"] and before["timing"] == results["timing"]:
+        if all(before.get(key, {}) == results[key] for key in ("results", "variants", "timing")):
             return dict(before)  # nothing was done: the command that did it stays
     write_if_changed(path, json.dumps(results, indent=1))
     return results
 
 
+def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> dict[str, Any]:
+    """Summarise those of an experiment's stages that are done, and write the policies' trials.
+
+    Args:
+        experiment: Or a variant of one.
+        stages: Those that count, by their own names.
+        trials: What the names of the trials' files begin with.
+    """
+    summaries: dict[str, Callable[[], Any]] = {
+        "collection": lambda: experiment.collection.summary(_primitive_names(experiment)),
+        "idm": lambda: _without_timing(experiment.idm.results()[0]),
+        "parsing": experiment.parsing.summary,
+        "replay": experiment.replay.summary,
+    }
+    done = {name for name, stage in stages.items() if not stage.missing()}
+    for name, evaluation in experiment.evaluations.items():
+        summaries[f"evaluation.{name}"] = evaluation.summary
+        if f"evaluation.{name}" in done:
+            text = json.dumps(evaluation.trials())
+            write_if_changed(experiment.folder / f"{trials}{name}.json", text)
+    return {name: make() for name, make in summaries.items() if name in done}
+
+
 def _primitive_names(experiment: Experiment) -> list[str]:
-    collection = experiment.collection
-    return list(build_world(collection.environment, collection.primitives).space.names)
+    return list(experiment.collection.build_world().space.names)
 
 
 def _without_timing(result: Result) -> Result:

@@ -23,6 +23,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from prime_core.agreement import check_environments
 from prime_core.atomic import new_file
 from prime_core.errors import PrimeError
 from prime_core.experiment import Experiment
@@ -45,6 +46,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         PrimeError: If a stage cannot be done for a reason that the user can mend.
     """
     stages = experiment.until(until)
+    check_environments(experiment)
     write_resolved(experiment)
     for name, stage in stages.items():
         total, missing = len(stage.items()), len(stage.missing())

@@ -18,11 +18,15 @@ def summary_table(results: dict[str, Any]) -> Table:
     table.add_column("result", justify="right")
     for what, result in summary_rows(results["results"]):
         table.add_row(what, result)
+    for name, variant in results.get("variants", {}).items():
+        for what, result in summary_rows(variant):
+            # Indented lines go on from the line above.
+            table.add_row(what if what.startswith(" ") else f"{name}: {what}", result)
     return table
 
 
 def summary_rows(results: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return the lines of the summary table."""
+    """Return the lines of the summary table for an experiment, or for a variant of it."""
     rows: list[tuple[str, str]] = []
     collection, idm = results.get("collection"), results.get("idm")
     parsing, replay = results.get("parsing"), results.get("replay")

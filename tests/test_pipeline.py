@@ -132,6 +132,22 @@ def test_a_new_learning_rate_redoes_the_policy_and_what_depends_on_it_no_more(
     assert done(experiment(finished, "compute.workers=1")) == done(experiment(finished))
 
 
+def test_a_variant_adds_what_differs_and_redoes_nothing(finished: Path, tmp_path: Path) -> None:
+    out = tmp_path / "runs"
+    shutil.copytree(finished, out, symlinks=True)
+    settings = [*TINY, "variants.greedy={parser: {type: greedy}, policies: {prime: {}}}"]
+    completed = prime("--until", "greedy/replay", out=out, settings=settings)
+    assert completed.returncode == 0, completed.stderr
+    worked = [line for line in completed.stdout.splitlines() if line.startswith("✓ greedy/")]
+    assert [line.split()[1] for line in worked] == ["greedy/parsing", "greedy/replay"]
+    assert completed.stdout.count(" in ") == len(worked)
+    assert "greedy: replay success" in completed.stdout
+    found, before = results(out), results(finished)
+    assert found["results"] == before["results"]
+    assert set(found["variants"]["greedy"]) == {"parsing", "replay"}
+    assert set(found["timing"]) - set(before["timing"]) == {"greedy/parsing", "greedy/replay"}
+
+
 def assert_same(first: Any, second: Any) -> None:
     if isinstance(first, dict):
         assert set(first) == set(second)
@@ -149,12 +165,19 @@ def assert_same(first: Any, second: Any) -> None:
 
 @pytest.mark.slow
 def test_one_worker_makes_the_same_data_and_results_as_two(finished: Path, tmp_path: Path) -> None:
-    completed = prime(out=tmp_path, settings=[*TINY, "compute.workers=1"])
+    variant = "variants.greedy={parser: {type: greedy}, collection: {episodes: 5}}"
+    completed = prime(out=tmp_path, settings=[*TINY, "compute.workers=1", variant])
     assert completed.returncode == 0, completed.stderr
     first, second = experiment(finished), experiment(tmp_path)
     for name in ("demonstrations", "collection", "parsing", "replay", "evaluation.prime"):
         assert_same(first.stages[name].results(), second.stages[name].results())
-    assert results(finished)["results"] == results(tmp_path)["results"]
+    found = results(tmp_path)
+    assert found["results"] == results(finished)["results"]
+    variant_names = ["collection", "idm", "parsing", "replay", "evaluation.prime"]
+    assert list(found["variants"]["greedy"]) == variant_names
+    assert found["timing"]["greedy/evaluation.prime"]["items"] > 0
+    trials = json.loads((tmp_path / "lift-quick" / "trials-greedy.prime.json").read_text())
+    assert [len(rows) for rows in trials["checkpoint"]["1"].values()] == [1, 1]
 
 
 @pytest.mark.slow

@@ -8,5 +8,7 @@ def validate(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     from prime_core.experiment_config import read_experiment
 
     config = read_experiment(experiment, set_ or ())
-    names = ", ".join(config.policies)
-    print(f"{experiment}: experiment {config.name!r} is right (policies: {names})")
+    names = f"policies: {', '.join(config.policies)}"
+    if config.variants:
+        names += f"; variants: {', '.join(config.variants)}"
+    print(f"{experiment}: experiment {config.name!r} is right ({names})")

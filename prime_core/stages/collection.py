@@ -5,11 +5,12 @@ from dataclasses import fields
 from typing import Any, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from prime_core.collection import CollectedEpisode, CollectionConfig, Draws, collect_episode
 from prime_core.configuration import ConfigDump
 from prime_core.stages.stage import Result, Stage
-from prime_core.stages.world import build_world
+from prime_core.stages.world import World, build_world
 
 _STREAM = 1
 """Keeps the draws of collection apart from those of other stages with the same seed."""
@@ -21,15 +22,19 @@ class Collection(Stage):
     title: ClassVar[str] = "collection"
     unit: ClassVar[str] = "shards"
 
-    environment: ConfigDump
+    environments: tuple[ConfigDump, ...] = Field(min_length=1)
     primitives: tuple[ConfigDump, ...]
     settings: ConfigDump
     seed: int
 
     @property
     def config(self) -> CollectionConfig:
-        """How to collect."""
+        """How to collect, but for where."""
         return CollectionConfig.model_validate(self.settings)
+
+    def build_world(self) -> World:
+        """Build where the first episode is collected; the others' worlds have the same models."""
+        return build_world(self.environments[0], self.primitives)
 
     def items(self) -> list[str]:
         """Return the shards' numbers."""
@@ -38,12 +43,13 @@ class Collection(Stage):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Collect shards; an episode depends on the seed and its number only."""
         config = self.config
-        world = build_world(self.environment, self.primitives)
-        space = world.space
+        worlds = [build_world(dump, self.primitives) for dump in self.environments]
+        space = worlds[0].space
         for item in items:
             episodes = []
             draws = Draws.none(len(space.names))
             for number in config.shard_episodes(int(item)):
+                world = worlds[number % len(worlds)]
                 generator = np.random.default_rng([self.seed, _STREAM, number])
                 episode, counted = collect_episode(
                     world.environment, world.primitives, space, config, generator

@@ -12,7 +12,6 @@ from prime_core.idm_report import report_on
 from prime_core.pair_data import PairConfig, RolloutTable, training_pairs
 from prime_core.stages.collection import Collection
 from prime_core.stages.stage import Result, Stage
-from prime_core.stages.world import build_world
 
 _STREAM = 2
 
@@ -42,7 +41,7 @@ class IdmTraining(Stage):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train the model and test it on held-out rollouts."""
         for item in items:
-            world = build_world(self.collection.environment, self.collection.primitives)
+            world = self.collection.build_world()
             space = world.space
             pairs = PairConfig.model_validate(self.pairs)
             generator = np.random.default_rng([self.seed, _STREAM])
@@ -66,5 +65,5 @@ class IdmTraining(Stage):
     def load(self) -> InverseDynamicsModel:
         """Return the trained model."""
         self.results()
-        world = build_world(self.collection.environment, self.collection.primitives)
+        world = self.collection.build_world()
         return self.config.load(self.folder / "model", world.description, world.space)

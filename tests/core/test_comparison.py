@@ -27,6 +27,18 @@ def test_files_with_other_figures_stand_beside_each_other(tmp_path: Path) -> Non
     assert all(len(row) == 3 for row in rows)
 
 
+def test_variants_stand_beside_each_other_and_older_files_have_none(tmp_path: Path) -> None:
+    greedy = {"replay": {"with_other": {"success": 0.25}}}
+    files = {"new": {"results": {}, "variants": {"greedy": greedy}}, "old": {"results": {}}}
+    for name, found in files.items():
+        (tmp_path / name).write_text(json.dumps({"name": name, **found}))
+    paths = [tmp_path / "new", tmp_path / "old", PAPER / "tidy_up.json"]
+    rows = comparison_rows([read_results(path) for path in paths])
+    assert ["greedy: replay success", "0.250", "-", "-"] in rows
+    assert ["greedy: prime: best checkpoints", "-", "-", "0.859 ± 0.004"] in rows
+    assert ["idm-abc: prime: best checkpoints", "-", "-", "0.975 ± 0.030"] in rows
+
+
 def test_markdown_has_a_heading() -> None:
     assert markdown([["what", "a"], ["x", "1"]]) == "| what | a |\n|---|---|\n| x | 1 |"
 
@@ -37,7 +49,8 @@ def test_markdown_has_a_heading() -> None:
         (None, "there is no such file: prime run leaves one"),
         ("{", "cannot be read as JSON"),
         ("[]", "a results file has the keys 'name' and 'results'"),
-        ('{"name": "x", "results": []}', "'results' is not what prime run leaves"),
+        ('{"name": "x", "results": []}', "'results' or 'variants' is not what prime run leaves"),
+        ('{"name": "x", "results": {}, "variants": []}', "'results' or 'variants' is not what"),
         ('{"name": "x", "results": {"idm": {}}}', "KeyError\\('balanced_accuracy'\\)"),
     ],
 )

@@ -91,6 +91,12 @@ def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
             "name: lift\nseeds: [1, 1]",
             "FILE: seeds: found [1, 1]: each seed may be named",
         ),
+        (
+            "name: lift",
+            "name: lift\ncollection: {environments: [{type: robosuite/lft}]}",
+            "FILE: collection.environments.0: no environment is registered as 'robosuite/lft'. Did "
+            "you mean 'robosuite/lift'?",
+        ),
     ],
 )
 def test_a_mistake_names_file_key_and_what_would_be_right(
