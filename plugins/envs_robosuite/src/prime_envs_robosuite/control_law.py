@@ -4,21 +4,19 @@ The compiled function calls MuJoCo's own C functions at their addresses, passed 
 That keeps it free of global callbacks (two threads can step at once), lets numba cache
 the machine code on disk, and leaves no Python between two substeps.
 
-Everything the function calls is in this file: numba looks at one file only to tell whether
-a cached function is out of date. Sums run over the last axis of small arrays wherever they can, so
+Every compiled function is in this file: numba looks at one file only to tell whether a cached
+function is out of date. Sums run over the last axis of small arrays wherever they can, so
 that the compiler adds several at once without changing the order of any sum.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from prime_envs_robosuite.c_call import call
+from prime_envs_robosuite.control_memory import Arm, Functions, Scratch, Views
 from prime_envs_robosuite.stepping import GRIPPER_SPEED, POSITION_SCALE, ROTATION_SCALE
 
 POSITION_GAIN = 150.0  # kp of the default OSC_POSE controller
@@ -27,117 +25,6 @@ NULLSPACE_GAIN = 10.0
 NULLSPACE_DAMPING = 2.0 * np.sqrt(NULLSPACE_GAIN)
 JOINTS = 7  # of the arm; a constant, so that loops over them are unrolled
 
-
-class Functions(NamedTuple):
-    """Addresses of MuJoCo's C functions and of the structures they work on.
-
-    Attributes:
-        step1: ``mj_step1``: positions, velocities, bias forces.
-        step2: ``mj_step2``: forces, constraints, integration.
-        model: The ``mjModel``.
-        data: The ``mjData``.
-    """
-
-    step1: int
-    step2: int
-    model: int
-    data: int
-
-
-class Views(NamedTuple):
-    """Arrays that share memory with one ``MjData``.
-
-    Attributes:
-        positions: ``qpos``, ``(nq,)``.
-        velocities: ``qvel``, ``(nv,)``.
-        bias: ``qfrc_bias``, ``(nv,)``.
-        controls: ``ctrl``, ``(nu,)``.
-        packed_mass: ``qM``, MuJoCo's sparse joint-space inertia.
-        axes: ``cdof``, the joints' motion axes, angular then linear, ``(nv, 6)``.
-        centre: Row of ``subtree_com`` that the arm's axes refer to [m], ``(3,)``.
-        site_position: Of the grip site [m], world frame, ``(3,)``.
-        site_rotation: Of the grip site, row by row, ``(9,)``.
-    """
-
-    positions: NDArray[np.float64]
-    velocities: NDArray[np.float64]
-    bias: NDArray[np.float64]
-    controls: NDArray[np.float64]
-    packed_mass: NDArray[np.float64]
-    axes: NDArray[np.float64]
-    centre: NDArray[np.float64]
-    site_position: NDArray[np.float64]
-    site_rotation: NDArray[np.float64]
-
-
-class Arm(NamedTuple):
-    """Where the arm and its gripper are in the model's arrays.
-
-    Attributes:
-        indices: Of each joint in ``qpos``, ``qvel`` and ``ctrl``, ``(7, 3)``.
-        mass: Where the inertia between two joints is in ``qM``, ``(7, 7)``.
-        torques: Lower and upper torque limit of each joint [N m], ``(7, 2)``.
-        base_position: Of the frame that actions are given in [m], world frame, ``(3,)``.
-        base_rotation: Of that frame, ``(3, 3)``.
-        fingers: Of the left and the right finger in ``ctrl``, ``(2,)``.
-        strokes: Least and greatest control of each finger [m], ``(2, 2)``.
-    """
-
-    indices: NDArray[np.int64]
-    mass: NDArray[np.int64]
-    torques: NDArray[np.float64]
-    base_position: NDArray[np.float64]
-    base_rotation: NDArray[np.float64]
-    fingers: NDArray[np.int64]
-    strokes: NDArray[np.float64]
-
-
-class _Scratch(NamedTuple):
-    """Arrays that each substep fills anew; one allocation serves all substeps.
-
-    Attributes:
-        goal: Position [m] and, row by row, rotation of the goal, world frame, ``(12,)``.
-        jacobian: Of the grip site, linear then angular, transposed, ``(7, 6)``.
-        mobility: Inverse of the mass at the site, ``(6, 6)``.
-        arm: Its mass [kg m^2] beside the transposed Jacobian, eliminated in place, ``(7, 13)``.
-        site: Room to eliminate mobility, demand and what the pull would cause, ``(6, 8)``.
-        turning: Room to eliminate its angular block and that part of the demand, ``(3, 4)``.
-        torques: Of the joints [N m], ``(7,)``.
-        wrench: Demanded accelerations, then force [N] and torque [N m] at the site, ``(6,)``.
-        countered: Acceleration of the site that the pull to rest would cause, ``(6,)``.
-    """
-
-    goal: NDArray[np.float64]
-    jacobian: NDArray[np.float64]
-    mobility: NDArray[np.float64]
-    arm: NDArray[np.float64]
-    site: NDArray[np.float64]
-    turning: NDArray[np.float64]
-    torques: NDArray[np.float64]
-    wrench: NDArray[np.float64]
-    countered: NDArray[np.float64]
-
-
-@intrinsic
-def _c_call(typing_context: Any, address: Any, arguments: Any) -> Any:
-    """Call the C function without result at an address, with integers or pointers."""
-    signature = types.void(address, arguments)
-
-    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kinds = signature.args[1]
-        unpacked = cgutils.unpack_tuple(  # type: ignore[no-untyped-call]
-            builder, values[1], len(kinds)
-        )
-        words = [context.get_value_type(kind) for kind in kinds]
-        pointer = ir.FunctionType(ir.VoidType(), words).as_pointer()
-        builder.call(builder.inttoptr(values[0], pointer), unpacked)
-        return context.get_dummy_value()
-
-    return signature, build
-
-
-# numba passes the typing context itself.
-_call: Any = _c_call
 _compiled = numba.njit(nogil=True, cache=True, error_model="numpy")
 _inlined = numba.njit(nogil=True, cache=True, error_model="numpy", forceinline=True)
 
@@ -394,24 +281,17 @@ def run_control_step(
     Returns:
         What the gripper's commands have added up to now.
     """
-    scratch = _Scratch(
-        np.empty(12),
-        np.empty((JOINTS, 6)),
-        np.empty((6, 6)),
-        np.empty((JOINTS, JOINTS + 6)),
-        np.empty((6, 8)),
-        np.empty((3, 4)),
-        np.empty(JOINTS),
-        np.empty(6),
-        np.empty(6),
-    )
+    arm_shape, site_shape = (JOINTS, JOINTS + 6), (6, 8)
+    jacobian, torques = np.empty((JOINTS, 6)), np.empty(JOINTS)
+    tables = np.empty((6, 6)), np.empty(arm_shape), np.empty(site_shape), np.empty((3, 4))
+    scratch = Scratch(np.empty(12), jacobian, *tables, torques, np.empty(6), np.empty(6))
     clipped = np.minimum(np.maximum(action, -1.0), 1.0)
     gripper = min(max(gripper + GRIPPER_SPEED * np.sign(clipped[6]), -1.0), 1.0)
     _command_fingers(gripper, arm, views)
     for substep in range(substeps):
-        _call(functions.step1, (functions.model, functions.data))
+        call(functions.step1, (functions.model, functions.data))
         if substep == 0:
             _set_goal(clipped, arm, views, scratch.goal)
         _command_arm(rest, arm, views, scratch)
-        _call(functions.step2, (functions.model, functions.data))
+        call(functions.step2, (functions.model, functions.data))
     return gripper

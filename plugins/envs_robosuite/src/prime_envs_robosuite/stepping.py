@@ -3,13 +3,12 @@
 Both take robosuite's own 7-number action at 20 Hz and leave the same state to rounding.
 """
 
-import ctypes
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_envs_robosuite import control_memory
 from prime_envs_robosuite.panda import Panda
 
 Array = NDArray[np.float64]
@@ -61,9 +60,9 @@ class CompiledStepper:
         self.rest: Array = np.zeros(len(panda.joint_addresses))
         self._owners = (model, data)
         self._run = control_law.run_control_step
-        self._functions = _functions(model, data)
-        self._views = _views(model, data, panda)
-        self._arm = _arm(model, data, panda)
+        self._functions = control_memory.find_functions(model, data)
+        self._views = control_memory.find_views(model, data, panda)
+        self._arm = control_memory.find_arm(model, data, panda)
 
     def step(self, action: Array) -> None:
         """Advance by one control step; see `Stepper`."""
@@ -116,75 +115,3 @@ class StockStepper:
             # Else the first step after a reset or a restored state uses an old pose.
             controller.new_update = True
         self._host.step(np.asarray(action, dtype=np.float64))
-
-
-def _functions(model: Any, data: Any) -> Any:
-    """Return the addresses of the C functions and structures."""
-    from prime_envs_robosuite.control_law import Functions
-
-    library = ctypes.CDLL(str(_library_path()))
-    addresses = [
-        ctypes.cast(getattr(library, name), ctypes.c_void_p).value
-        for name in ("mj_step1", "mj_step2")
-    ]
-    step1, step2 = (int(address or 0) for address in addresses)
-    return Functions(step1, step2, int(model._address), int(data._address))
-
-
-def _library_path() -> Path:
-    """Return the C library that the mujoco package has loaded."""
-    import mujoco
-
-    folder = Path(mujoco.__file__).parent
-    patterns = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
-    return next(path for pattern in patterns for path in sorted(folder.glob(pattern)))
-
-
-def _views(model: Any, data: Any, panda: Panda) -> Any:
-    from prime_envs_robosuite.control_law import Views
-
-    arm_body = model.dof_bodyid[panda.dof_addresses[0]]
-    return Views(
-        positions=data.qpos,
-        velocities=data.qvel,
-        bias=data.qfrc_bias,
-        controls=data.ctrl,
-        packed_mass=data.qM,
-        axes=data.cdof,
-        centre=data.subtree_com[model.body_rootid[arm_body]],
-        site_position=data.site_xpos[panda.grip_site],
-        site_rotation=data.site_xmat[panda.grip_site],
-    )
-
-
-def _arm(model: Any, data: Any, panda: Panda) -> Any:
-    from prime_envs_robosuite.control_law import Arm
-
-    position, rotation = panda.base_pose(data)
-    indices = (panda.joint_addresses, panda.dof_addresses, panda.arm_actuators)
-    return Arm(
-        indices=np.stack(indices, axis=1),
-        mass=_mass_addresses(model, panda.dof_addresses.tolist()),
-        torques=model.actuator_ctrlrange[panda.arm_actuators].copy(),
-        base_position=position,
-        base_rotation=rotation,
-        fingers=panda.finger_actuators,
-        strokes=model.actuator_ctrlrange[panda.finger_actuators].copy(),
-    )
-
-
-def _mass_addresses(model: Any, dofs: list[int]) -> NDArray[np.int64]:
-    """Return where in ``qM`` the inertia between two joints of a chain is, ``(n, n)``.
-
-    MuJoCo keeps, for each joint, its own inertia and then those between it and each joint that
-    carries it, from the nearest to the base.
-    """
-    addresses = np.empty((len(dofs), len(dofs)), dtype=np.int64)
-    for row, dof in enumerate(dofs):
-        address, carrier = int(model.dof_Madr[dof]), dof
-        while carrier >= 0:
-            if carrier in dofs:
-                column = dofs.index(carrier)
-                addresses[row, column] = addresses[column, row] = address
-            address, carrier = address + 1, int(model.dof_parentid[carrier])
-    return addresses
