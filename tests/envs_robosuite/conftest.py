@@ -38,13 +38,15 @@ class Hand:
             self.environment.step(np.array([0.0, 0.0, 0.0, 0.0, gripper]))
 
     def pick(self) -> None:
-        """Grasp the first object where its affordance says, and lift it."""
+        """Grasp the first object that can be grasped, where its affordance says, and lift it."""
         scene = self.environment.scene()
         spot = scene.description.affordances_for("grasp")[0]
-        own_yaw = float(yaw_of(scene.object_quaternions[0]))
+        assert spot.reference is not None, "an object is grasped, not the world"
+        index = scene.object_index(spot.reference)
+        own_yaw = float(yaw_of(scene.object_quaternions[index]))
         forward, aside, height = np.mean((spot.low, spot.high), axis=0)
         direction = np.exp(1j * own_yaw) * (forward + 1j * aside)
-        target = scene.object_positions[0] + [direction.real, direction.imag, height]
+        target = scene.object_positions[index] + [direction.real, direction.imag, height]
         yaw = own_yaw + (spot.yaws or (0.0,))[0]
         lift = scene.description.lift_height
         self.move([target[0], target[1], lift], yaw, OPEN, 80)

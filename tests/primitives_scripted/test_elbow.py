@@ -41,3 +41,9 @@ def test_stretching_is_braked_and_nothing_else() -> None:
     assert slowed[3] / slowed[0] == pytest.approx(outward[3] / outward[0])
     assert np.array_equal(elbow.braked(inward, arm), inward)
     assert np.array_equal(elbow.braked(outward, 0.5 * arm), outward)
+
+
+def test_an_elbow_beyond_its_dead_centre_is_locked() -> None:
+    elbow = Elbow(1, CENTRE, 1.0, 0.7)
+    assert elbow.is_locked(np.array([0.0, CENTRE + 0.05, 0.0]))
+    assert not elbow.is_locked(np.array([0.0, CENTRE - 0.05, 0.0]))

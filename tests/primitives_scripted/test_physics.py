@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from prime_core.checks import check_primitive
+from prime_core.collection import CollectionConfig, collect_episode
 from prime_core.environment import Environment
-from prime_core.execution import settle
+from prime_core.execution import run_actions, settle
+from prime_core.idm import PrimitiveSpace
 from prime_core.primitive import Primitive
+from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY
 from prime_envs_robosuite.config import TidyUpConfig
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
@@ -51,6 +54,36 @@ def test_a_far_reach_then_a_near_one(world: World) -> None:
         assert world.run(world.reach, far)[0]
         assert world.reach.reachable(world.environment.scene(), near)
         assert world.run(world.reach, near)[0]
+
+
+def test_an_arm_whose_elbow_is_locked_starts_nothing(milk: World) -> None:
+    milk.reset(0)
+    assert milk.reach.can_start(milk.environment.scene())
+    away = np.array([0.05, 0.05, 0.0, 0.0, -1.0])  # to where the arm ends
+    run_actions(milk.environment, np.tile(away, (60, 1)))
+    stretched = milk.environment.scene()
+    assert not any(item.can_start(stretched) for item in (milk.reach, milk.grasp))
+    # For no action frees it: whatever is tried, the gripper stays far from where it is sent.
+    succeeded, execution = milk.run(milk.reach, np.array([0.0, -0.2, 1.0, 0.0]))
+    assert not succeeded
+    assert np.linalg.norm(execution.scenes[-1].gripper_position - [0.0, -0.2, 1.0]) > 0.1
+
+
+def test_motor_actions_that_lock_the_arm_are_not_recorded(milk: World) -> None:
+    primitives = (milk.reach, milk.grasp)
+    names = tuple(item.name for item in primitives)
+    space = PrimitiveSpace(names, tuple(item.parameter_space for item in primitives))
+    config = CollectionConfig(draws_per_episode=40, atomic_share=1.0, atomic_steps=(60, 60))
+    episode, _ = collect_episode(
+        milk.environment, primitives, space, config, np.random.default_rng(0)
+    )
+    description = milk.environment.scene().description
+    scenes = [
+        description.scene({STATE_KEY: state, ENVIRONMENT_STATE_KEY: objects})
+        for state, objects in zip(episode.state, episode.environment_state, strict=True)
+    ]
+    assert 0 < len(scenes) - 1 < 40 * 60  # some runs were undone
+    assert all(milk.reach.can_start(scene) for scene in scenes[::60])
 
 
 def test_goals_out_of_reach_are_refused(milk: World) -> None:
