@@ -13,8 +13,19 @@ from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
 
 ANYWHERE = Reach(base=(-0.56, 0.0), distance=0.78)
 LYING = TABLE_TOP + CUBE_HALF_SIZE
-PUSH = Push(object_name="cube", low=(-0.02, 0.12), high=(0.02, 0.16), standoff=0.07, height=LYING)
+PUSH = Push(
+    object_name="cube",
+    low=(-0.02, 0.12),
+    high=(0.02, 0.16),
+    standoff=0.07,
+    touching=0.035,
+    height=LYING,
+)
 PUT = PutInto(object_name="cube", low=(-0.15, -0.2), high=(-0.1, -0.15), reach=ANYWHERE)
+PEOPLE = SimulatedTeleoperatorConfig()
+FLUENT = SimulatedTeleoperatorConfig(
+    ramp=(0.3, 0.3), turn_speed=(1.5, 1.5), flow=(1.0, 1.0), miss_share=0.0
+)
 
 
 @pytest.fixture(scope="module")
@@ -24,10 +35,15 @@ def table() -> Iterator[RobosuiteEnvironment]:
     environment.close()
 
 
-def perform(environment: RobosuiteEnvironment, jobs: tuple[Job, ...], seed: int) -> list[Scene]:
+def perform(
+    environment: RobosuiteEnvironment,
+    jobs: tuple[Job, ...],
+    seed: int,
+    people: SimulatedTeleoperatorConfig = PEOPLE,
+) -> list[Scene]:
     """Let a person do jobs; return the scenes that they saw."""
     environment.reset(seed=seed)
-    person = SimulatedTeleoperatorConfig().draw_person(jobs, np.random.default_rng(seed))
+    person = people.draw_person(jobs, np.random.default_rng(seed))
     scenes = [environment.scene()]
     doing = person.perform(scenes[0])
     action = next(doing, None)
@@ -92,3 +108,30 @@ def test_an_object_is_put_where_its_centre_should_be(table: RobosuiteEnvironment
         scene = perform(table, (onto,), seed)[-1]
         assert np.allclose(cube(scene), [0.05, 0.05, LYING], atol=0.01)
         assert scene.held is None
+
+
+def test_the_fluent_lift_and_carry_without_a_stop(table: RobosuiteEnvironment) -> None:
+    slowest = {}
+    for people in (PEOPLE, FLUENT):
+        scenes = perform(table, (PUT,), 1, people)
+        carried = np.array([scene.gripper_position for scene in scenes if scene.held == "cube"])
+        far = np.linalg.norm(carried[:, :2] - carried[0, :2], axis=1)
+        lifted = carried[:, 2] > carried[0, 2] + 0.03
+        on_the_way = carried[lifted & (far < 0.8 * far[-1])]
+        speeds = np.linalg.norm(np.diff(on_the_way, axis=0), axis=1)
+        slowest[people is FLUENT] = speeds.min()
+        assert cube(scenes[-1])[2] == pytest.approx(LYING, abs=2e-3)
+    assert slowest[False] < 0.001  # 2 cm/s
+    assert slowest[True] > 0.004
+
+
+def test_the_fluent_go_from_one_job_to_the_next_and_are_done_sooner(
+    table: RobosuiteEnvironment,
+) -> None:
+    steps = {}
+    for people in (PEOPLE, FLUENT):
+        scenes = perform(table, (PUSH, PUT), 0, people)
+        steps[people is FLUENT] = len(scenes)
+        assert scenes[-1].held is None
+        assert np.allclose(cube(scenes[-1])[:2], [-0.125, -0.175], atol=0.05)
+    assert steps[True] < 0.75 * steps[False]

@@ -147,3 +147,15 @@ def test_other_nuts_and_ranges_are_refused() -> None:
         NutAssemblyConfig(nut="hexagonal")  # type: ignore[arg-type]
     with pytest.raises(ValidationError, match="Input should be 'paper' or 'robosuite'"):
         NutAssemblyConfig(initial_range="anywhere")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", ["round", "square"])
+def test_the_nut_lies_on_the_table_at_the_start(kind: str) -> None:
+    environment = build(nut=kind)
+    for seed in range(10):
+        environment.reset(seed=seed)
+        before = environment.scene().object_positions[0]
+        for _ in range(8):
+            environment.step(np.zeros(5))
+        assert np.allclose(environment.scene().object_positions[0], before, atol=0.001)
+    environment.close()

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from prime_core.demonstration import Demonstration
 from prime_core.environment import ACTION_LIMIT, Environment, EnvironmentConfig
 from prime_core.errors import PrimeError
+from prime_core.experiment_config import read_experiment
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
@@ -17,6 +18,7 @@ from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
 SEED = 3
 SLOW = 0.005 / 20  # 5 mm/s, per step [m]
 PEOPLE = SimulatedTeleoperatorConfig()
+EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 
 
 @pytest.fixture(scope="module")
@@ -212,6 +214,11 @@ def test_a_range_must_be_in_order() -> None:
         SimulatedTeleoperatorConfig(speed=(0.3, 0.1))
 
 
+def test_more_than_all_movements_cannot_flow() -> None:
+    with pytest.raises(ValidationError, match="shares are at most 1"):
+        SimulatedTeleoperatorConfig(flow=(0.5, 1.5))
+
+
 def test_no_planner_is_at_work() -> None:
     import prime_envs_robosuite
 
@@ -229,3 +236,13 @@ def test_thirty_demonstrations_have_a_second_grasp_among_them() -> None:
     assert any(closings(item) >= 2 for item in shown)
     ends = np.array([object_path(item)[-1, :2] for item in shown])
     assert np.all(ends.std(axis=0) > 0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "paper"), [("nut_assembly", 232), ("tidy_up", 403)])
+def test_thirty_demonstrations_take_as_long_as_the_papers(name: str, paper: int) -> None:
+    experiment = read_experiment(EXPERIMENTS / f"{name}.yaml")
+    people, settings = experiment.demonstrations, experiment.environment
+    steps = [people.demonstrate(settings, index, 0).steps for index in range(30)]
+    assert np.mean(steps) == pytest.approx(paper, rel=0.1)
+    assert np.std(steps) > 0.08 * paper

@@ -114,10 +114,12 @@ class Push(Job):
         low: Smallest x and y that its centre may end at [m].
         high: Greatest x and y [m].
         standoff: From its centre to where the gripper comes down beside it [m].
+        touching: From its centre to the gripper when the fingers touch it, about [m].
         height: Of the gripper while it pushes [m].
     """
 
     low: tuple[float, float]
     high: tuple[float, float]
     standoff: float
+    touching: float
     height: float

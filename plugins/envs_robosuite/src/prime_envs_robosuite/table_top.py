@@ -33,8 +33,10 @@ BIN_HEIGHT = 0.09  # of the walls' upper edge above the table [m]
 RELEASE_HEIGHT = (0.105, 0.115)
 RELEASE_MARGIN = 0.06  # from a bin's edge: wall, half a box and the spread of draws [m]
 MAT_SIZE = (0.21, 0.16)  # [m]
+PART_GAP = 0.05  # between the parts of a bin where people let go: half of each box there [m]
 DROP_HEIGHT = 0.04  # over the bin's floor from which people drop a box, for the walls' sake [m]
 EASY_REACH = Reach(base=(-0.56, 0.0), distance=0.72)  # of the arm at the table's edge
+FINGER_THICKNESS = 0.012  # half of it, of the closed fingers [m]
 FINGER = 0.03  # half of the closed fingers' greater width, and a little room [m]
 
 
@@ -157,8 +159,9 @@ class Bin:
         inner = np.array(self.half_size) - RELEASE_MARGIN + BIN_WALL
         low, high = np.array(self.centre) - inner, np.array(self.centre) + inner
         axis = int(self.turned)
-        edges = np.linspace(low[axis], high[axis], parts + 1)
-        low[axis], high[axis] = edges[part : part + 2]
+        length = (high[axis] - low[axis] - (parts - 1) * PART_GAP) / parts
+        low[axis] += part * (length + PART_GAP)
+        high[axis] = low[axis] + length
         return PutInto(
             object_name=name,
             low=(float(low[0]), float(low[1])),
@@ -215,6 +218,7 @@ def push_job(box: Box, centre: tuple[float, float], within: float) -> Push:
         low=(centre[0] - within, centre[1] - within),
         high=(centre[0] + within, centre[1] + within),
         standoff=float(np.hypot(*box.half_size[:2])) + FINGER,
+        touching=max(box.half_size[:2]) + FINGER_THICKNESS,
         height=TABLE_TOP + box.half_size[2],
     )
 

@@ -19,13 +19,24 @@ if TYPE_CHECKING:
 NAME = "simulated-teleoperator"
 
 
+MOTION = ("speed", "pause", "bow", "aim", "yaw_aim", "overshoot", "noise", "hover")
+HABITS = ("ramp", "turn_speed", "flow")
+
+
 def _ordered(value: tuple[float, float]) -> tuple[float, float]:
     if not 0 <= value[0] <= value[1]:
         raise ValueError(f"a range is two numbers, 0 <= low <= high; found {list(value)}")
     return value
 
 
+def _at_most_one(value: tuple[float, float]) -> tuple[float, float]:
+    if value[1] > 1:
+        raise ValueError(f"shares are at most 1; found {list(value)}")
+    return value
+
+
 Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
+Shares = Annotated[Range, AfterValidator(_at_most_one)]
 
 
 class SimulatedTeleoperatorConfig(DemonstratorConfig):
@@ -61,6 +72,17 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
 
     hover: Range = (0.06, 0.12)
     """Height above a grasp at which the approach ends [m]."""
+
+    ramp: Range = (0.6, 0.6)
+    """Time in which long movements reach their speed [s]."""
+
+    turn_speed: Range = (0.9, 0.9)
+    """Mean speed of turning [rad/s]."""
+
+    flow: Shares = (0.0, 0.0)
+    """Share of movements that go over into the next without a stop, as those of the experienced
+    do: lifts bend into carrying, corrections are left to the next movement, and from where
+    something was let go of the hand goes on to the next object."""
 
     miss_share: float = Field(0.2, ge=0, le=1)
     """Share of demonstrations whose first grasp closes too early and misses."""
@@ -101,9 +123,11 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
 
     def draw_person(self, jobs: Sequence[Job], generator: np.random.Generator) -> Person:
         """Draw who does jobs, and how."""
-        names = ("speed", "pause", "bow", "aim", "yaw_aim", "overshoot", "noise", "hover")
-        drawn = {name: float(generator.uniform(*getattr(self, name))) for name in names}
+        drawn = {name: float(generator.uniform(*getattr(self, name))) for name in MOTION}
         misses = bool(generator.random() < self.miss_share)
+        # Drawn aside: settings that came later leave earlier people as they were.
+        aside = generator.spawn(1)[0]
+        drawn |= {name: float(aside.uniform(*getattr(self, name))) for name in HABITS}
         return Person(jobs, Style(**drawn), misses, self.other_yaw_share, generator)
 
 

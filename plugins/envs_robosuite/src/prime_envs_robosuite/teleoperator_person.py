@@ -1,4 +1,4 @@
-"""What a simulated person does with objects: take, hold up, put down, fit onto, push."""
+"""What a simulated person does with objects that it takes, and one job after another."""
 
 from collections.abc import Generator, Sequence
 
@@ -6,34 +6,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.environment import Action
-from prime_core.rotations import rotation_matrix, wrap_angle
+from prime_core.rotations import rotation_matrix
 from prime_core.scene import Scene
 from prime_envs_robosuite.jobs import HoldUp, Job, Push, PutInto, PutOnto, Taking
 from prime_envs_robosuite.teleoperator_choices import (
-    GREATEST_YAW,
     bringing,
     choose_grasp,
     choose_spot,
     choose_yaw,
     goal_point,
 )
-from prime_envs_robosuite.teleoperator_motion import CLOSE, OPEN, Hand, Movement, Style
+from prime_envs_robosuite.teleoperator_motion import (
+    CLOSE,
+    OPEN,
+    TRIES,
+    Hand,
+    Movement,
+    Outcome,
+    Style,
+    Way,
+)
+from prime_envs_robosuite.teleoperator_pushing import Pusher
 
 Array = NDArray[np.float64]
-Outcome = Generator[Action, Scene, tuple[Scene, bool]]
-"""A movement that also returns whether it did what it was for."""
-
 UP = np.array([0.0, 0.0, 1.0])
 
-TRIES = 4  # grasps, fittings or approaches that a person attempts before giving up
 RELEASE_GAP = (0.001, 0.006)  # between a lowered object and the floor when let go of [m]
 UPRIGHT = 0.98  # least cosine of the angle by which an object may be tilted in the end
 DROP = 0.015  # from how much higher than wanted an object may be let go of [m]
-STROKES = 6  # of a push, from one side
 RETREAT = (0.06, 0.11)  # upwards, from what was put down [m]
 RETREAT_ASIDE = 0.01  # standard deviation [m]
-DRAW_BACK = 0.02  # from a pushed object, before rising beside it [m]
-PUSHED = 0.015  # from where a pushed object should be, near enough [m]
+ARCH_ROOM = 0.02  # by which people who lift while they carry go higher over walls [m]
 
 
 class Person:
@@ -64,14 +67,17 @@ class Person:
         self._generator = generator
         self._misses = misses
         self._other_yaw_share = other_yaw_share
+        self._is_last = False
+        self._pusher = Pusher(self.hand, generator)
 
     def perform(self, scene: Scene) -> Generator[Action, Scene, None]:
         """Do all jobs, up to the first that fails."""
         scene = yield from self.hand.pause(scene, 1.5)
         for job in self._jobs:
             self.hand.style = self._style.with_care(job.care)
+            self._is_last = job is self._jobs[-1]
             if isinstance(job, Push):
-                scene, done = yield from self._push(scene, job)
+                scene, done = yield from self._pusher.push(scene, job, self._is_last)
             else:
                 assert isinstance(job, Taking), "jobs push or take"
                 scene, done = yield from self._take_and(scene, job)
@@ -102,14 +108,15 @@ class Person:
     def _take(self, scene: Scene, job: Taking) -> Generator[Action, Scene, tuple[Scene, float]]:
         """Grasp the object; returns the scene and the height at which the object lay [m]."""
         hand, draw = self.hand, self._generator
-        if hand.gripper == CLOSE:
+        if hand.gripper == CLOSE and hand.has_risen:
             scene = yield from hand.grip(scene, OPEN)
             scene = yield from hand.move(
                 scene, scene.gripper_position + draw.uniform(0.02, 0.05) * UP, scene.gripper_yaw
             )
         position, yaw = choose_grasp(scene, job, self._other_yaw_share, draw)
-        hesitate = bool(draw.random() < 0.4)
-        scene = yield from hand.reach(scene, position + hand.style.hover * UP, yaw, hesitate)
+        above = position + hand.style.hover * UP
+        way = hand.way_on(scene, OPEN, self._hesitates())
+        scene = yield from hand.reach(scene, above, yaw, way)
         scene = yield from hand.pause(scene)
         if self._misses:
             self._misses = False
@@ -120,6 +127,9 @@ class Person:
         scene = yield from hand.grip(scene, CLOSE)
         scene = yield from hand.pause(scene, 0.7)
         return scene, floor
+
+    def _hesitates(self) -> bool:
+        return bool(self._generator.random() < 0.4) and not self.hand.flows()
 
     def _miss(self, scene: Scene, position: Array, yaw: float) -> Movement:
         """Close the gripper above the object, notice, and open it again."""
@@ -149,28 +159,35 @@ class Person:
         draw = self._generator
         height = scene.description.lift_height + draw.uniform(-0.02, 0.02)
         target, yaw = choose_spot(scene, job, floor, draw)
-        scene = yield from self._lift(scene, target, height)
+        scene, over = yield from self._lift(scene, target, height)
         if scene.held is None:
             return scene
-        hesitate = bool(draw.random() < 0.4)
+        way = Way(self._hesitates(), over=over)
         above = np.append(target, height - draw.uniform(0.0, 0.02))
-        return (yield from self.hand.reach(scene, above, yaw, hesitate))
+        return (yield from self.hand.reach(scene, above, yaw, way))
 
-    def _lift(self, scene: Scene, target: Array, height: float) -> Movement:
-        """Lift the object, drifting a little towards where it goes.
+    def _lift(
+        self, scene: Scene, target: Array, height: float
+    ) -> Generator[Action, Scene, tuple[Scene, float | None]]:
+        """Lift the object, drifting a little towards where it goes, or leave it to the carrying.
 
         Args:
             scene: The scene now.
             target: x and y of where it goes [m], ``(2,)``.
             height: To which the gripper is lifted [m].
+
+        Returns:
+            The scene, and the height that the next movement has to arch up to [m], if any.
         """
         hand, draw = self.hand, self._generator
+        if hand.flows():
+            return scene, height + ARCH_ROOM
         start = scene.gripper_position[:2]
         drifted = start + draw.uniform(0.0, 0.15) * (target - start)
         scene = yield from hand.move(scene, np.append(drifted, height), scene.gripper_yaw)
         if draw.random() < 0.5:
             scene = yield from hand.pause(scene)
-        return scene
+        return scene, None
 
     def _put_down(self, scene: Scene, job: PutInto, floor: float) -> Movement:
         """Lower the object to just above the floor, let go, retreat and rest.
@@ -202,6 +219,8 @@ class Person:
         hand, draw = self.hand, self._generator
         scene = yield from hand.grip(scene, OPEN)
         scene = yield from hand.pause(scene, 0.3)
+        if not self._is_last and hand.stays_low():
+            return scene
         away = np.append(draw.normal(0.0, aside, 2), draw.uniform(*retreat))
         scene = yield from hand.move(scene, scene.gripper_position + away, scene.gripper_yaw)
         return (yield from hand.wait(scene, int(draw.integers(5, 15))))
@@ -212,11 +231,11 @@ class Person:
         yaw = choose_yaw(scene, job, draw)
         clear = goal_point(scene, job) + (job.clearance + draw.uniform(0.0, 0.02)) * UP
         above = bringing(scene, job.object_name, clear, yaw)
-        scene = yield from self._lift(scene, above[:2], above[2])
+        scene, over = yield from self._lift(scene, above[:2], above[2])
         if scene.held is None:
             return scene
         above = bringing(scene, job.object_name, clear, yaw)
-        return (yield from hand.swing(scene, above, yaw, bool(draw.random() < 0.4)))
+        return (yield from hand.swing(scene, above, yaw, Way(self._hesitates(), over=over)))
 
     def _fit(self, scene: Scene, job: PutOnto) -> Movement:
         """Lower the object onto its point, let go, retreat; rise and aim again where it jams."""
@@ -231,62 +250,12 @@ class Person:
             # Look again where the object is after the correction.
             for height in (job.clearance, drop):
                 goal = bringing(scene, name, point + height * UP, yaw)
-                scene = yield from hand.move(scene, goal, yaw, straight=True)
+                scene = yield from hand.move(scene, goal, yaw, Way(straight=True))
             if scene.held != name:
                 return scene
             scene = yield from hand.pause(scene, 0.5)
             if scene.object_positions[index, 2] - point[2] < job.drop[1] + DROP:
                 return (yield from self._let_go(scene, 0.0, job.retreat))
-        return scene
-
-    def _push(self, scene: Scene, job: Push) -> Outcome:
-        """Push the object to a point of its region, from as many sides as it takes."""
-        hand, draw = self.hand, self._generator
-        index = scene.object_index(job.object_name)
-        target = draw.uniform(job.low, job.high)
-        if hand.gripper == OPEN:
-            scene = yield from hand.grip(scene, CLOSE)
-        for _ in range(TRIES):
-            way = target - scene.object_positions[index, :2]
-            distance = float(np.linalg.norm(way))
-            if distance < PUSHED:
-                return scene, True
-            direction = way / distance
-            # The hand's broad side pushes; which way its thin side points does not matter.
-            yaw = float(wrap_angle(np.arctan2(direction[1], direction[0]), np.pi))
-            yaw = float(np.clip(yaw, -GREATEST_YAW, GREATEST_YAW))
-            scene = yield from self._come_down_beside(scene, job, direction, yaw)
-            scene = yield from self._push_on(scene, job, target, direction)
-            back = scene.gripper_position - np.append(DRAW_BACK * direction, 0.0)
-            scene = yield from hand.move(scene, back, yaw, straight=True)
-            rise = scene.description.lift_height - scene.gripper_position[2]
-            scene = yield from hand.move(scene, scene.gripper_position + rise * UP, yaw)
-        left = np.linalg.norm(target - scene.object_positions[index, :2])
-        return scene, bool(left < PUSHED)
-
-    def _come_down_beside(self, scene: Scene, job: Push, direction: Array, yaw: float) -> Movement:
-        """Bring the closed gripper down behind the object, seen in the direction ``(2,)``."""
-        hand = self.hand
-        spot = scene.object_positions[scene.object_index(job.object_name), :2]
-        beside = spot - job.standoff * direction
-        above = np.append(beside, scene.description.lift_height)
-        scene = yield from hand.reach(scene, above, yaw)
-        scene = yield from hand.pause(scene, 0.5)
-        return (yield from hand.move(scene, np.append(beside, job.height), yaw, straight=True))
-
-    def _push_on(self, scene: Scene, job: Push, target: Array, direction: Array) -> Movement:
-        """Push in a direction ``(2,)`` until the object is as far as its target ``(2,)`` [m]."""
-        index = scene.object_index(job.object_name)
-        for _ in range(STROKES):
-            spot = scene.object_positions[index, :2]
-            left = float((target - spot) @ direction)
-            if left < PUSHED / 3:
-                break
-            behind = float((spot - scene.gripper_position[:2]) @ direction)
-            goal = spot + (left - behind) * direction
-            scene = yield from self.hand.move(
-                scene, np.append(goal, job.height), scene.gripper_yaw, straight=True
-            )
         return scene
 
 

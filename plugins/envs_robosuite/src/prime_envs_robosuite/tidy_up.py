@@ -130,7 +130,8 @@ class TidyUpTask(TableTopTask):
         target, mat = self.layout.bins[TARGET_BIN], self.layout.mats[TARGET_MAT]
         *small, large = BOXES
         put = [target.job(box.name, part, len(small)) for part, box in enumerate(small)]
-        return (*put, push_job(large, mat.centre, MAT_REACH / 2))
+        # The higher one first: where it stands, a hand that takes the lower one knocks it over.
+        return (*reversed(put), push_job(large, mat.centre, MAT_REACH / 2))
 
     def is_tidy(self, scene: Scene) -> bool:
         """Whether each box is in the bin or on the mat that it belongs to."""
