@@ -20,7 +20,6 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 TABLE_TOP = 0.8  # height of the table's surface [m]
 FRICTION = 0.6  # sliding friction of table, boxes and bins; the fingers' pads have their own
-START_GAP = 0.005  # [m] that boxes are dropped from
 START_YAWS = (-float(np.pi / 4), float(np.pi / 4))  # [rad]
 WIDEST_GRIP = 0.075  # width of what the fingers, which open to 0.08 m, can be put around [m]
 PUSH_DISTANCE = 0.03  # of the closed fingers from the face that they will push [m]
@@ -81,7 +80,8 @@ class Box:
 
     def placement(self) -> Placement:
         """Return where it starts."""
-        height = TABLE_TOP + self.half_size[2] + START_GAP
+        # Standing, not falling: rollouts begin with objects at rest, and so should demonstrations.
+        height = TABLE_TOP + self.half_size[2]
         return Placement(self.low, self.high, height, yaws=START_YAWS)
 
     def affordances(self) -> tuple[Affordance, ...]:
