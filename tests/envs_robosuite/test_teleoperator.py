@@ -219,6 +219,12 @@ def test_more_than_all_movements_cannot_flow() -> None:
         SimulatedTeleoperatorConfig(flow=(0.5, 1.5))
 
 
+@pytest.mark.parametrize("setting", ["speed", "ramp", "turn_speed"])
+def test_nobody_moves_at_no_speed(setting: str) -> None:
+    with pytest.raises(ValidationError, match=r"are above 0; found \[0.0, 0.2\]"):
+        SimulatedTeleoperatorConfig.model_validate({setting: (0.0, 0.2)})
+
+
 def test_no_planner_is_at_work() -> None:
     import prime_envs_robosuite
 

@@ -29,6 +29,12 @@ def _ordered(value: tuple[float, float]) -> tuple[float, float]:
     return value
 
 
+def _above_zero(value: tuple[float, float]) -> tuple[float, float]:
+    if value[0] <= 0:
+        raise ValueError(f"speeds and times to reach them are above 0; found {list(value)}")
+    return value
+
+
 def _at_most_one(value: tuple[float, float]) -> tuple[float, float]:
     if value[1] > 1:
         raise ValueError(f"shares are at most 1; found {list(value)}")
@@ -36,6 +42,7 @@ def _at_most_one(value: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
+Above = Annotated[Range, AfterValidator(_above_zero)]
 Shares = Annotated[Range, AfterValidator(_at_most_one)]
 
 
@@ -49,7 +56,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     count: PositiveInt = 30
     """How many demonstrations there are."""
 
-    speed: Range = (0.14, 0.24)
+    speed: Above = (0.14, 0.24)
     """Mean speed of long movements [m/s]."""
 
     pause: Range = (0.3, 0.8)
@@ -73,10 +80,10 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     hover: Range = (0.06, 0.12)
     """Height above a grasp at which the approach ends [m]."""
 
-    ramp: Range = (0.6, 0.6)
+    ramp: Above = (0.6, 0.6)
     """Time in which long movements reach their speed [s]."""
 
-    turn_speed: Range = (0.9, 0.9)
+    turn_speed: Above = (0.9, 0.9)
     """Mean speed of turning [rad/s]."""
 
     flow: Shares = (0.0, 0.0)
