@@ -100,3 +100,18 @@ def test_place_fails_if_it_held_nothing_or_ended_early_or_never_opened() -> None
     assert not place.succeeded(scenes[:5], HERE)
     shut = [replace(scene, gripper_opening=0.0) for scene in scenes[2:]]
     assert not place.succeeded([*scenes[:2], *shut], HERE)
+
+
+def test_place_may_be_asked_to_put_down_rather_than_to_drop() -> None:
+    careful = PlaceConfig(greatest_fall=0.08, greatest_slide=0.03).build(DESCRIPTION)
+    for move, fine in (
+        ((0.0, 0.0, -0.07), True),
+        ((0.02, 0.0, -0.02), True),
+        ((0.0, 0.0, -0.09), False),
+        ((0.03, 0.02, -0.02), False),
+    ):
+        scenes = released()
+        last = scenes[-1]
+        scenes[-1] = replace(last, object_positions=last.object_positions + move)
+        assert careful.succeeded(scenes, HERE) == fine
+        assert place.succeeded(scenes, HERE)  # the paper asks nothing of where it ends up

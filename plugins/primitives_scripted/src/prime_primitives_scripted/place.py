@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import PositiveInt
+from pydantic import PositiveFloat, PositiveInt
 
 from prime_core.primitive import Motion
 from prime_core.scene import Affordance, Scene, SceneDescription
@@ -23,6 +23,13 @@ class PlaceConfig(ScriptedConfig):
     """Standard deviations of the parameter prior in x, y, z [m]."""
     opening_steps: PositiveInt = 10
     """Motor actions that the gripper takes to open."""
+    greatest_fall: PositiveFloat | None = None
+    """How far what is let go of may fall [m]; None, as in the paper, for any height."""
+    greatest_slide: PositiveFloat | None = None
+    """How far it may come to lie from below where it was let go of [m]; None for anywhere.
+
+    From high up things tumble away, and an inverse dynamics model that learns from such places
+    takes a retreat of the hand, after letting go, for a part of the place."""
 
     def build(self, description: SceneDescription) -> "Place":
         """Make the primitive; see `PrimitiveConfig`."""
@@ -43,6 +50,7 @@ class Place(ScriptedPrimitive):
 
     def __init__(self, config: PlaceConfig, description: SceneDescription) -> None:
         super().__init__(config, description)
+        self._place = config
         self._opening_steps = config.opening_steps
         self.maximum_steps += config.opening_steps
 
@@ -69,7 +77,9 @@ class Place(ScriptedPrimitive):
             yield from hold(scene, goal, mover, self._opening_steps - steps)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
-        """Whether it let go above the place that it was called to, and holds nothing now.
+        """Whether it put down what it held at the place that it was called to.
+
+        It holds nothing now, and what it let go of did not fall far.
 
         The last steps are the gripper's opening: an object that was lost before is not held
         when they begin.
@@ -80,7 +90,16 @@ class Place(ScriptedPrimitive):
         # An object that is pressed on forces the fingers apart a little, or seems not held.
         opened = after.gripper_opening > release.gripper_opening + OPENED
         let_go = release.held == scenes[0].held and opened and after.held is None
-        return let_go and self._is_over(release, parameters)
+        return let_go and self._is_over(release, parameters) and self._lies_below(release, after)
+
+    def _lies_below(self, release: Scene, after: Scene) -> bool:
+        """Whether what was held at the release came to lie about where it was let go of."""
+        assert release.held is not None, "something was held"
+        index = release.object_index(release.held)
+        moved = after.object_positions[index] - release.object_positions[index]
+        fall, slide = self._place.greatest_fall, self._place.greatest_slide
+        near = slide is None or float(np.hypot(moved[0], moved[1])) < slide
+        return near and (fall is None or float(-moved[2]) < fall)
 
     def _is_over(self, scene: Scene, parameters: Array) -> bool:
         """Whether the gripper is where it was called to, whatever its height."""

@@ -23,12 +23,13 @@ class PushConfig(ScriptedConfig):
     position_std: tuple[float, float, float] = (0.02, 0.02, 0.005)
     """Standard deviations of the prior of where a push starts in x, y, z [m].
 
-    Affordances say beside which faces of an object a push starts; the release draws 0.1 m about
-    the object's centre instead."""
+    Affordances say beside which faces and corners of an object a push starts; the release draws
+    0.1 m about the object's centre instead."""
     direction_std: PositiveFloat = 0.3
     """Standard deviation of a push's direction about the one towards the object's centre [rad]."""
-    length: tuple[float, float] = (0.1, 0.4)
-    """Least and greatest length of a push that the prior draws [m]."""
+    length: tuple[float, float] = (0.14, 0.4)
+    """Least and greatest length of a push that the prior draws [m]; shorter ones hardly move what
+    they start a few centimetres from."""
     position_tolerance: PositiveFloat = 0.015
     """How far from either end the gripper may come [m]."""
     least_move: PositiveFloat = 0.07
