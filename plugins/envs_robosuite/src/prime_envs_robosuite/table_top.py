@@ -22,7 +22,7 @@ TABLE_TOP = 0.8  # height of the table's surface [m]
 FRICTION = 0.6  # sliding friction of table, boxes and bins; the fingers' pads have their own
 START_YAWS = (-float(np.pi / 4), float(np.pi / 4))  # [rad]
 WIDEST_GRIP = 0.075  # width of what the fingers, which open to 0.08 m, can be put around [m]
-PUSH_DISTANCE = 0.035  # of the closed fingers from the face or corner that they will push [m]
+PUSH_STARTS = 16  # around a box, 4 cm apart
 QUARTER_TURN = (float(np.pi / 2),)  # [rad]
 BIN_FLOOR = 0.04  # thickness [m]
 BIN_WALL = 0.01  # thickness [m]
@@ -85,23 +85,23 @@ class Box:
         return Placement(self.low, self.high, height, yaws=START_YAWS)
 
     def affordances(self) -> tuple[Affordance, ...]:
-        """Return where to grasp it, or beside which faces and corners to begin to push it."""
+        """Return where to grasp it, or from where around it to begin to push it."""
         yaws = self.grasp_yaws()
         if yaws:
             return (Affordance("grasp", self.name, (0.0, 0.0, 0.0), (0.0, 0.0, 0.01), yaws),)
-        along, across = (size + PUSH_DISTANCE for size in self.half_size[:2])
-        return tuple(
-            self._push_from((x * along, y * across))
-            for x in (-1.0, 0.0, 1.0)
-            for y in (-1.0, 0.0, 1.0)
-            if x or y
-        )
+        turns = np.linspace(-np.pi, np.pi, PUSH_STARTS, endpoint=False).tolist()
+        return tuple(self._push_from(float(turn)) for turn in turns)
 
-    def _push_from(self, point: tuple[float, float]) -> Affordance:
-        """Return where to begin to push it from a point beside it, x and y in its frame [m]."""
+    @property
+    def standoff(self) -> float:
+        """From its centre to where the closed fingers come down clear of it, from any side [m]."""
+        return float(np.hypot(*self.half_size[:2])) + FINGER
+
+    def _push_from(self, turn: float) -> Affordance:
+        """Return where to begin to push it from a direction [rad] in its own frame."""
+        point = (self.standoff * np.cos(turn), self.standoff * np.sin(turn), 0.0)
         # The fingers slide along the gripper's y axis: side by side they push a face flat.
-        yaw = float(np.arctan2(point[1], point[0]))
-        return Affordance("push", self.name, (*point, 0.0), (*point, 0.0), (yaw,))
+        return Affordance("push", self.name, point, point, (turn,))
 
     def grasp_yaws(self) -> tuple[float, ...]:
         """Return the gripper's yaws relative to the box at which it fits between the fingers."""
@@ -222,7 +222,7 @@ def push_job(box: Box, centre: tuple[float, float], within: float) -> Push:
         object_name=box.name,
         low=(centre[0] - within, centre[1] - within),
         high=(centre[0] + within, centre[1] + within),
-        standoff=float(np.hypot(*box.half_size[:2])) + FINGER,
+        standoff=box.standoff,
         touching=max(box.half_size[:2]) + FINGER_THICKNESS,
         height=TABLE_TOP + box.half_size[2],
     )
