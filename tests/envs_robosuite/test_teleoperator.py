@@ -11,7 +11,7 @@ from prime_core.demonstration import Demonstration
 from prime_core.environment import ACTION_LIMIT, Environment, EnvironmentConfig
 from prime_core.errors import PrimeError
 from prime_core.experiment_config import read_experiment
-from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
+from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig, TidyUpConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
 
@@ -207,6 +207,18 @@ def test_a_foreign_environment_is_refused() -> None:
 
     with pytest.raises(PrimeError, match="it cannot in ElsewhereConfig"):
         PEOPLE.demonstrate(ElsewhereConfig(), 0, SEED)
+
+
+def test_nobody_grips_a_box_by_its_edge_because_a_bin_is_in_the_way() -> None:
+    path = Path(__file__).parents[2] / "experiments" / "tidy_up.yaml"
+    people = read_experiment(path).demonstrations
+    for index in range(3):
+        frames = people.demonstrate(TidyUpConfig(), index, 0).frames
+        objects = frames.environment_state.reshape(len(frames), -1, 8)
+        for box in (0, 1):
+            first = int(np.argmax(objects[:, box, 7] > 0.5))
+            assert objects[first, box, 7] == 1.0
+            assert frames.state[first, 2] - objects[first, box, 2] < 0.02  # B reaches up 0.028 m
 
 
 def test_a_range_must_be_in_order() -> None:

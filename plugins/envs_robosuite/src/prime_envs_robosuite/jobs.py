@@ -22,6 +22,21 @@ class Room:
 
 
 @dataclass(frozen=True)
+class Block:
+    """What stands where an open hand must not come down on it.
+
+    Attributes:
+        low: Smallest x and y [m].
+        high: Greatest x and y [m].
+        top: Its height [m].
+    """
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    top: float
+
+
+@dataclass(frozen=True)
 class Reach:
     """Where people like to let go: the gripper not too far from the arm.
 
@@ -53,9 +68,11 @@ class Taking(Job):
 
     Attributes:
         taken_from: What it is taken out of; None where no walls are.
+        beside: What stands near where it may be taken.
     """
 
     taken_from: Room | None = None
+    beside: tuple[Block, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

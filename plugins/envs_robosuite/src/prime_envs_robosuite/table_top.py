@@ -12,7 +12,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
-from prime_envs_robosuite.jobs import Push, PutInto, Reach
+from prime_envs_robosuite.jobs import Block, Push, PutInto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task
 
 Colour = tuple[float, float, float]
@@ -153,13 +153,19 @@ class Bin:
         inside = bool(np.all(aside < self.half_size))
         return inside and bool(position[2] < TABLE_TOP + BIN_HEIGHT)
 
-    def job(self, name: str, part: int, parts: int) -> PutInto:
+    def block(self) -> Block:
+        """Return what it is to a hand that comes down beside it."""
+        (x, y), (width, length) = self.centre, self.half_size
+        return Block((x - width, y - length), (x + width, y + length), TABLE_TOP + BIN_HEIGHT)
+
+    def job(self, name: str, part: int, parts: int, bins: Sequence["Bin"]) -> PutInto:
         """Return what people do to put a box into a part of it.
 
         Args:
             name: Of the box.
             part: Which part, counted from 0 along its long side.
             parts: How many there are.
+            bins: All that stand on the table.
         """
         inner = np.array(self.half_size) - RELEASE_MARGIN + BIN_WALL
         low, high = np.array(self.centre) - inner, np.array(self.centre) + inner
@@ -173,6 +179,7 @@ class Bin:
             high=(float(high[0]), float(high[1])),
             reach=EASY_REACH,
             rise=BIN_FLOOR + DROP_HEIGHT,
+            beside=tuple(item.block() for item in bins),
         )
 
     def affordance(self) -> Affordance:

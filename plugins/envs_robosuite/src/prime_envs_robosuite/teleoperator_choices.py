@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from prime_core.rotations import wrap_angle, yaw_of
 from prime_core.scene import Affordance, Scene
-from prime_envs_robosuite.jobs import PutInto, PutOnto, Reach, Room, Taking
+from prime_envs_robosuite.jobs import Block, PutInto, PutOnto, Reach, Room, Taking
 
 Array = NDArray[np.float64]
 
@@ -39,9 +39,13 @@ def choose_grasp(
     nearest = turns[np.argsort(np.abs(turns - scene.gripper_yaw))]
     position = scene.object_positions[index] + offset
     reachable = nearest[np.abs(nearest) < GREATEST_YAW]
+    spread = position[:2], float(position[2]), reachable
+    roomy = np.ones(len(reachable), dtype=np.bool_)
     if job.taken_from is not None:
-        roomy = reachable[_hand_fits(position[:2], float(position[2]), reachable, job.taken_from)]
-        reachable = roomy if len(roomy) else reachable
+        roomy &= _hand_fits(*spread, job.taken_from)
+    for block in job.beside:
+        roomy &= _hand_clears(*spread, block)
+    reachable = reachable[roomy] if roomy.any() else reachable
     reachable = reachable if len(reachable) else nearest[:1]
     other = len(reachable) > 1 and draw.random() < other_yaw_share
     return position, float(reachable[1 if other else 0] + draw.uniform(-0.1, 0.1))
@@ -153,8 +157,22 @@ def _hand_fits(spots: ArrayLike, height: float, yaws: ArrayLike, room: Room) -> 
     Returns:
         ``(N,)``.
     """
-    cosine, sine = np.abs(np.cos(yaws)), np.abs(np.sin(yaws))
-    mixed = np.stack((np.stack((cosine, sine), -1), np.stack((sine, cosine), -1)), -2)
-    half = mixed @ HAND_HALF_SIZE
+    half = _hand_extent(yaws)
     inside = (spots - half > np.array(room.low)) & (spots + half < np.array(room.high))
     return np.asarray(np.all(inside, axis=-1) | (height + HAND_BOTTOM > room.top))
+
+
+def _hand_clears(
+    spots: ArrayLike, height: float, yaws: ArrayLike, block: Block
+) -> NDArray[np.bool_]:
+    """Tell where the hand is beside a block or above it ``(N,)``; see `_hand_fits`."""
+    half = _hand_extent(yaws)
+    beside = (spots + half < np.array(block.low)) | (spots - half > np.array(block.high))
+    return np.asarray(np.any(beside, axis=-1) | (height + HAND_BOTTOM > block.top))
+
+
+def _hand_extent(yaws: ArrayLike) -> Array:
+    """Return half of the hand's extent along x and y at yaws ``(N,)`` [m], ``(N, 2)``."""
+    cosine, sine = np.abs(np.cos(yaws)), np.abs(np.sin(yaws))
+    mixed = np.stack((np.stack((cosine, sine), -1), np.stack((sine, cosine), -1)), -2)
+    return np.asarray(mixed @ HAND_HALF_SIZE)
