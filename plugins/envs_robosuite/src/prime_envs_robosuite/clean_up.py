@@ -81,7 +81,7 @@ class CleanUpTask(TableTopTask):
             drop=(0.002, RELEASE_GAP),
             retreat=(0.06, 0.11),
             reference=POPCORN.name,
-            beside=(BIN.block(),),
+            beside=(BIN.outside(),),
         )
         return (push, stack)
 

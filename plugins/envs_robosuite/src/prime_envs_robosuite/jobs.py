@@ -7,28 +7,13 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Room:
-    """The inside of a box without a lid, where a hand has to fit between walls.
+class Bounds:
+    """An upright box, which a hand has to fit into, or to keep off.
 
     Attributes:
-        low: Smallest x and y inside of the walls [m].
+        low: Smallest x and y [m]; of a box without a lid, inside of its walls or outside of them.
         high: Greatest x and y [m].
-        top: Height of the walls [m].
-    """
-
-    low: tuple[float, float]
-    high: tuple[float, float]
-    top: float
-
-
-@dataclass(frozen=True)
-class Block:
-    """What stands where an open hand must not come down on it.
-
-    Attributes:
-        low: Smallest x and y [m].
-        high: Greatest x and y [m].
-        top: Its height [m].
+        top: Height of its upper edge [m].
     """
 
     low: tuple[float, float]
@@ -71,8 +56,8 @@ class Taking(Job):
         beside: What stands near where it may be taken.
     """
 
-    taken_from: Room | None = None
-    beside: tuple[Block, ...] = ()
+    taken_from: Bounds | None = None
+    beside: tuple[Bounds, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +80,7 @@ class PutInto(Taking):
     low: tuple[float, float]
     high: tuple[float, float]
     reach: Reach
-    room: Room | None = None
+    room: Bounds | None = None
     rise: float = 0.0
 
 

@@ -1,8 +1,8 @@
 """From a robosuite host to MuJoCo models: one for physics alone, one to look at.
 
-Nothing reads the gripper's force and torque sensors, which cost 4 % of a step. Leaving out what
-only shows (the robot's look is 185 thousand mesh faces) changes no number
-of the physics: robosuite takes masses from collision geoms and explicit inertias alone.
+Nothing reads the gripper's force and torque sensors, for which MuJoCo would work out the forces on
+every body. Leaving out what only shows (the robot's look is 185 thousand mesh faces) changes no
+number of the physics: robosuite takes masses from collision geoms and explicit inertias alone.
 """
 
 from typing import Any

@@ -8,7 +8,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
-from prime_envs_robosuite.jobs import Job, PutInto, Reach, Room
+from prime_envs_robosuite.jobs import Bounds, Job, PutInto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task, is_let_go, sampler_placement
 
 Grocery = Literal["milk", "bread", "cereal", "can"]
@@ -23,7 +23,7 @@ PLACE_HEIGHT = 0.98  # of the gripper when it lets go [m]
 WALL_TOP = 0.9  # world height [m]
 WALL_HALF_THICKNESS = 0.01  # of the bins [m]
 WALL_MARGIN = 0.045  # between where people put an object and the border of its quarter [m]
-TAKEN_FROM = Room(low=(-0.09, -0.49), high=(0.29, -0.01), top=WALL_TOP)  # the first bin
+TAKEN_FROM = Bounds(low=(-0.09, -0.49), high=(0.29, -0.01), top=WALL_TOP)  # the first bin
 # Of the arm before robosuite's bins; farther out its elbow is all but straight.
 EASY_REACH = Reach(base=(-0.5, -0.1), distance=0.78)
 RELEASE_DISTANCE = 0.0424  # robosuite's own threshold between gripper and object [m]
@@ -106,7 +106,7 @@ class PickPlaceTask(Task):
             PutInto(
                 object_name=self.kind,
                 taken_from=TAKEN_FROM,
-                room=Room(*inner, top=WALL_TOP),
+                room=Bounds(*inner, top=WALL_TOP),
                 low=aim[0],
                 high=aim[1],
                 reach=EASY_REACH,

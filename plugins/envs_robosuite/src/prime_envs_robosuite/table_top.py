@@ -12,7 +12,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
-from prime_envs_robosuite.jobs import Block, Push, PutInto, Reach
+from prime_envs_robosuite.jobs import Bounds, Push, PutInto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task
 
 Colour = tuple[float, float, float]
@@ -153,10 +153,10 @@ class Bin:
         inside = bool(np.all(aside < self.half_size))
         return inside and bool(position[2] < TABLE_TOP + BIN_HEIGHT)
 
-    def block(self) -> Block:
+    def outside(self) -> Bounds:
         """Return what it is to a hand that comes down beside it."""
         (x, y), (width, length) = self.centre, self.half_size
-        return Block((x - width, y - length), (x + width, y + length), TABLE_TOP + BIN_HEIGHT)
+        return Bounds((x - width, y - length), (x + width, y + length), TABLE_TOP + BIN_HEIGHT)
 
     def job(self, name: str, part: int, parts: int, bins: Sequence["Bin"]) -> PutInto:
         """Return what people do to put a box into a part of it.
@@ -179,7 +179,7 @@ class Bin:
             high=(float(high[0]), float(high[1])),
             reach=EASY_REACH,
             rise=BIN_FLOOR + DROP_HEIGHT,
-            beside=tuple(item.block() for item in bins),
+            beside=tuple(item.outside() for item in bins),
         )
 
     def affordance(self) -> Affordance:

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from prime_core.rotations import wrap_angle, yaw_of
 from prime_core.scene import Affordance, Scene
-from prime_envs_robosuite.jobs import Block, PutInto, PutOnto, Reach, Room, Taking
+from prime_envs_robosuite.jobs import Bounds, PutInto, PutOnto, Reach, Taking
 
 Array = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ def _within(spots: Array, reach: Reach) -> tuple[NDArray[np.bool_], Array]:
     return distances < reach.distance, distances
 
 
-def _hand_fits(spots: ArrayLike, height: float, yaws: ArrayLike, room: Room) -> NDArray[np.bool_]:
+def _hand_fits(spots: ArrayLike, height: float, yaws: ArrayLike, room: Bounds) -> NDArray[np.bool_]:
     """Tell where the hand has room between walls.
 
     Args:
@@ -163,7 +163,7 @@ def _hand_fits(spots: ArrayLike, height: float, yaws: ArrayLike, room: Room) -> 
 
 
 def _hand_clears(
-    spots: ArrayLike, height: float, yaws: ArrayLike, block: Block
+    spots: ArrayLike, height: float, yaws: ArrayLike, block: Bounds
 ) -> NDArray[np.bool_]:
     """Tell where the hand is beside a block or above it ``(N,)``; see `_hand_fits`."""
     half = _hand_extent(yaws)

@@ -25,7 +25,7 @@ class PushConfig(ScriptedConfig):
 
     Affordances say where around an object a push starts, clear of it; the release draws 0.1 m about
     the object's centre instead. Where a push started is hard to tell from what came of it: with
-    wide draws, an inverse dynamics model was 45 mm off, and put starts on top of the object."""
+    wide draws, inverse dynamics models put starts on top of the object."""
     direction_std: PositiveFloat = 0.2
     """Standard deviation of a push's direction about the one towards the object's centre [rad]."""
     length: tuple[float, float] = (0.14, 0.4)
