@@ -42,13 +42,18 @@ class FeatureEncoder:
 
     Attributes:
         names: A name for each feature.
+        objects: The number of the object that each feature is of, -1 for the gripper's.
     """
 
     def __init__(self, description: SceneDescription) -> None:
         self._objects = description.objects
         self.names = _gripper_names()
-        for item in description.objects:
-            self.names += _object_names(item)
+        owners = [-1] * len(self.names)
+        for number, item in enumerate(description.objects):
+            names = _object_names(item)
+            self.names += names
+            owners += [number] * len(names)
+        self.objects = np.array(owners)
 
     @property
     def width(self) -> int:

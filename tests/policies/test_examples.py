@@ -5,7 +5,7 @@ from prime_policies.building import build_parameter_network
 from prime_policies.examples import Source, fingerprint, parameter_source, split
 from prime_policies.linear import fit_linear
 from prime_policies.networks import Trunk
-from prime_policies.preparing import fit_lines, measure_inputs, measure_trust, with_residuals
+from prime_policies.preparing import fit_lines, measure_inputs, measure_trust
 from prime_policies.settings import NetworkSettings
 
 from .toy_world import SPACE
@@ -53,10 +53,10 @@ def test_what_hardly_varies_is_not_blown_up() -> None:
 def test_a_perceptron_that_says_nothing_true_is_not_trusted() -> None:
     network = build_parameter_network(NetworkSettings(hidden_sizes=(8,)), 5, False, SPACE)
     ours = source()
-    fit_lines(network, ours, SPACE, fit_linear)
+    fit_lines(network, ours, SPACE, lambda *data: [fit_linear(*data)])
     with torch.no_grad():
         network.head.bias.fill_(3.0)
-    measure_trust(network, with_residuals(network, ours))
+    measure_trust(network, ours)
     assert float(network.trust.max()) == 0.0
 
 
@@ -68,7 +68,7 @@ def test_a_perceptron_that_is_right_is_trusted() -> None:
         means = network(batch.frames, batch.labels)
         best = means.means[torch.arange(400), means.logits.argmax(dim=1)]
     ours.targets.copy_(best)
-    measure_trust(network, with_residuals(network, ours))
+    measure_trust(network, ours)
     assert float(network.trust.min()) == 1.0
 
 

@@ -2,7 +2,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from prime_policies.linear import fit_copy, fit_linear
+from prime_policies.linear import fit_linear
 
 UNITS = torch.tensor([2.0], dtype=torch.float64)
 
@@ -53,26 +53,3 @@ def test_one_row_is_enough() -> None:
     inputs, _ = draws(1)
     fit = fit_linear(inputs, torch.tensor([[0.3]], dtype=torch.float64), UNITS)
     assert float(inputs[0] @ fit.weight[0] + fit.bias[0]) == pytest.approx(0.3)
-
-
-def test_what_is_chosen_freely_is_a_copy_and_no_more() -> None:
-    inputs, _ = draws(60, columns=20)
-    inputs[:, 7] *= 1e-3  # A coincidence in what hardly varies must not be taken for a rule.
-    outputs = 2.0 * inputs[:, 3:4] + 500.0 * inputs[:, 7:8] + 0.1
-    fit = fit_copy(inputs, outputs, UNITS)
-    expected = torch.zeros(20, dtype=torch.float64)
-    expected[3] = 2.0
-    torch.testing.assert_close(fit.weight[0], expected)
-    rest = outputs[:, 0] - 2.0 * inputs[:, 3]
-    assert float(fit.bias[0]) == pytest.approx(float(rest.median()))
-    assert float(fit.spread[0]) == pytest.approx(float((rest - rest.median()).std()), rel=0.05)
-
-
-def test_a_copy_that_is_right_in_most_rows_and_far_off_in_the_others_is_not_taken() -> None:
-    inputs, generator = draws(100)
-    outputs = torch.full((100, 1), 0.3, dtype=torch.float64)
-    outputs += 0.1 * torch.rand(100, 1, generator=generator, dtype=torch.float64)
-    inputs[:60, 2] = outputs[:60, 0] / 2.0
-    inputs[60:, 2] += 5.0
-    assert float(fit_copy(inputs, outputs, UNITS).weight.abs().max()) == 0.0
-    assert 0.3 < float(fit_copy(inputs, outputs, UNITS).bias[0]) < 0.4

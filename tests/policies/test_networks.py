@@ -1,5 +1,6 @@
 import torch
 
+from prime_policies.linear import LinearFit
 from prime_policies.networks import Classifier, Examples, ParameterNetwork, Trunk
 
 
@@ -47,25 +48,37 @@ def test_classes_have_probabilities() -> None:
     torch.testing.assert_close(scores.exp().sum(dim=1), torch.ones(5))
 
 
-def test_parameters_start_near_the_line() -> None:
+def line(width: int, output: int, feature: int, bias: float) -> LinearFit:
+    fit = LinearFit.zero(torch.zeros(1, 6), torch.zeros(1, width))
+    fit.weight[output, feature] = 1.0
+    fit.bias[output] = bias
+    return fit
+
+
+def test_components_start_near_their_lines() -> None:
     ours = parameter_network()
-    ours.weight[0, 1, 4] = 1.0
-    ours.bias[0, 1] = 0.25
-    ours.spread.fill_(1e-3)
+    ours.set_lines(0, [line(2, 1, 4, 0.25), line(2, 1, 0, -0.5)])
     pairs = frames(5, 2)
     means = ours(pairs, torch.zeros(5, dtype=torch.int64)).means
-    expected = (pairs[:, 1, 1] + 0.25)[:, None].expand(5, 5)
-    torch.testing.assert_close(means[:, :, 1], expected, atol=1e-3, rtol=0)
+    expected = torch.stack((pairs[:, 1, 1] + 0.25, pairs[:, 0, 0] - 0.5), dim=1)
+    torch.testing.assert_close(means[:, :, 1], expected[:, [0, 1, 0, 1, 0]], atol=1e-2, rtol=0)
 
 
-def test_residuals_are_targets_less_the_line() -> None:
+def test_a_line_has_the_parameters_of_its_primitive_alone() -> None:
     ours = parameter_network()
-    ours.weight[1, 0, 0] = 2.0
-    ours.spread.fill_(0.5)
-    pairs, labels = frames(5, 2), torch.ones(5, dtype=torch.int64)
-    targets = torch.stack((2.0 * pairs[:, 0, 0] + 0.5, torch.zeros(5)), dim=1)
-    expected = torch.tensor([[1.0, 0.0]]).expand(5, 2)
-    torch.testing.assert_close(ours.residuals(pairs, labels, targets), expected)
+    ours.set_lines(1, [line(1, 0, 3, 0.5)])
+    assert float(ours.weight[1, :, 0, 3].min()) == 1.0
+    assert float(ours.weight[1, :, 1].abs().max()) == 0.0
+    assert float(ours.weight[0].abs().max()) == 0.0
+
+
+def test_without_trust_the_means_are_the_lines() -> None:
+    ours = parameter_network()
+    ours.set_lines(0, [line(2, 0, 3, 0.0)])
+    ours.trust.zero_()
+    pairs = frames(5, 2)
+    means = ours(pairs, torch.zeros(5, dtype=torch.int64)).means
+    torch.testing.assert_close(means[:, :, 0], pairs[:, 1, :1].expand(5, 5))
 
 
 def test_deviations_are_never_below_the_least() -> None:

@@ -1,6 +1,5 @@
 """Robust linear fits that start from a copy of a feature."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
@@ -35,6 +34,13 @@ class LinearFit:
     bias: Tensor
     spread: Tensor
 
+    @classmethod
+    def zero(cls, inputs: Tensor, outputs: Tensor) -> "LinearFit":
+        """Return zeros for inputs ``(n, inputs)`` and outputs ``(n, outputs)``."""
+        count = outputs.shape[1]
+        weight = inputs.new_zeros(count, inputs.shape[1])
+        return cls(weight, inputs.new_zeros(count), inputs.new_zeros(count))
+
 
 def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
     """Fit outputs that follow from the inputs, but for a few outliers, by a line.
@@ -53,13 +59,13 @@ def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
             ``(outputs,)``.
     """
     with one_thread():
-        inputs, outputs = _thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS)
+        inputs, outputs = thin(inputs, MAXIMUM_ROWS), thin(outputs, MAXIMUM_ROWS)
         centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
         scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
         design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
-        fit = _start(inputs, outputs)
+        fit = LinearFit.zero(inputs, outputs)
         for row, output in enumerate(outputs.T):
-            fit.weight[row] = _best_copy(inputs, output, units[row], _median)
+            fit.weight[row] = _best_copy(inputs, output, units[row])
             rest = output - inputs @ fit.weight[row]
             solution = _huber_ridge(design, rest, _best_ridge(design, rest))
             fit.weight[row] += solution[:-1] / scale
@@ -68,40 +74,12 @@ def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
         return fit
 
 
-def fit_copy(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
-    """Fit outputs that are chosen, and do not follow from the inputs: a copy and no more.
-
-    Each output is taken as one input plus a constant, or as the constant alone, whichever has
-    the smallest mean error. The median would hide that a copy is far off in a part of the rows.
-    A regression on top finds coincidences among the few demonstrations, such as a tilt of the
-    object by a hundredth of a degree, and takes them far outside of what was demonstrated.
-
-    Arguments as in `fit_linear`.
-    """
-    with one_thread():
-        inputs, outputs = _thin(inputs, MAXIMUM_ROWS), _thin(outputs, MAXIMUM_ROWS)
-        fit = _start(inputs, outputs)
-        for row, output in enumerate(outputs.T):
-            fit.weight[row] = _best_copy(inputs, output, units[row], _mean)
-            rest = output - inputs @ fit.weight[row]
-            fit.bias[row] = rest.median()
-            fit.spread[row] = (rest - fit.bias[row]).std(correction=0)
-        return fit
-
-
-def _start(inputs: Tensor, outputs: Tensor) -> LinearFit:
-    count = outputs.shape[1]
-    zeros = inputs.new_zeros(count)
-    return LinearFit(inputs.new_zeros(count, inputs.shape[1]), zeros, zeros.clone())
-
-
-def _thin(rows: Tensor, maximum: int) -> Tensor:
+def thin(rows: Tensor, maximum: int) -> Tensor:
+    """Return every n-th row, so that no more are left than the maximum."""
     return rows[:: max(1, -(-len(rows) // maximum))]
 
 
-def _best_copy(
-    inputs: Tensor, output: Tensor, unit: Tensor, average: Callable[[Tensor], Tensor]
-) -> Tensor:
+def _best_copy(inputs: Tensor, output: Tensor, unit: Tensor) -> Tensor:
     """Return the weights ``(inputs,)`` of the input that an output is nearest to.
 
     Args:
@@ -109,24 +87,14 @@ def _best_copy(
         output: ``(n,)``; may differ from the input by a constant.
         unit: The weight of an input that is copied. All are zero where none is nearer than the
             constant alone.
-        average: Of the absolute errors ``(n, inputs)`` in each column.
     """
-    differences = output[:, None] - unit * inputs
-    differences = torch.cat((differences, output[:, None]), dim=1)
-    errors = average((differences - differences.median(dim=0).values).abs())
+    differences = torch.cat((output[:, None] - unit * inputs, output[:, None]), dim=1)
+    errors = (differences - differences.median(dim=0).values).abs().median(dim=0).values
     best = int(errors.argmin())
     weights = inputs.new_zeros(inputs.shape[1])
     if errors[best] < errors[-1]:  # of equals, the constant
         weights[best] = unit
     return weights
-
-
-def _median(errors: Tensor) -> Tensor:
-    return errors.median(dim=0).values
-
-
-def _mean(errors: Tensor) -> Tensor:
-    return errors.mean(dim=0)
 
 
 def _best_ridge(design: Tensor, output: Tensor) -> float:
@@ -136,7 +104,7 @@ def _best_ridge(design: Tensor, output: Tensor) -> float:
     called to would buy their own better fit with a worse one of all others. Rows are left out in
     blocks, because neighbours come from the same episode.
     """
-    design, output = _thin(design, MAXIMUM_FOLD_ROWS), _thin(output, MAXIMUM_FOLD_ROWS)
+    design, output = thin(design, MAXIMUM_FOLD_ROWS), thin(output, MAXIMUM_FOLD_ROWS)
     count = len(output)
     folds = torch.arange(count) * FOLDS // count
     errors = dict.fromkeys((inf, *RIDGES), 0.0)

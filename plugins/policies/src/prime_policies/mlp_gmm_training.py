@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from prime_core.features import FeatureEncoder, gripper_yaw
 from prime_core.idm import PairData, PrimitiveSpace
@@ -12,7 +13,7 @@ from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
 from prime_policies.examples import Source
-from prime_policies.linear import fit_linear
+from prime_policies.linear import LinearFit, fit_linear
 from prime_policies.mlp_gmm import MlpGmmIdmConfig
 from prime_policies.mlp_gmm_model import MlpGmmIdm
 from prime_policies.networks import Classifier, ParameterNetwork
@@ -52,9 +53,7 @@ def fit_idm(
 
     source, left_out = examples.split(_parameter_source(features, data, space))
     preparing.measure_inputs(parameter_network.trunk, source)
-    preparing.fit_lines(parameter_network, source, space, fit_linear)
-    source = preparing.with_residuals(parameter_network, source)
-    left_out = preparing.with_residuals(parameter_network, left_out)
+    preparing.fit_lines(parameter_network, source, space, _fit_line)
     trainings.train(
         PARAMETERS,
         parameter_network,
@@ -98,6 +97,11 @@ def _parameter_source(features: torch.Tensor, data: PairData, space: PrimitiveSp
     return examples.parameter_source(
         features, data.parameter_pairs, data.parameter_labels, targets, data.parameter_weights
     )
+
+
+def _fit_line(inputs: Tensor, outputs: Tensor, units: Tensor) -> list[LinearFit]:
+    """Return one line: what happened tells the parameters, whichever object they are about."""
+    return [fit_linear(inputs, outputs, units)]
 
 
 def _card(config: MlpGmmIdmConfig, description: SceneDescription, space: PrimitiveSpace) -> Card:

@@ -3,6 +3,7 @@
 Both see one frame (a policy) or a pair of frames (an inverse dynamics model).
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from prime_policies.linear import LinearFit
 from prime_policies.mixture import Mixture, log_density
 
 CLIP = 5.0  # normalised features beyond it are outside everything seen in training
@@ -121,12 +123,14 @@ class Classifier(nn.Module):
 
 
 class ParameterNetwork(nn.Module):
-    """p(target | frames, primitive): a mixture around a linear function of the frames.
+    """p(target | frames, primitive): a mixture around linear functions of the frames.
 
-    Each primitive has a line that is fitted before training and sees the features as they are,
-    without noise; the perceptron learns what it leaves over, in units of its spread. A target
-    that simply is where the gripper ends is thus exact from the first step. How much of what the
-    perceptron says is added to the line, its trust, is 1 unless it is measured on data left out.
+    Each component of a primitive has a line that is fitted before training and sees the features
+    as they are, without noise; the perceptron learns what it leaves over, in units of its spread.
+    A target that simply is where the gripper ends is thus exact from the first step. Where a
+    primitive can be about one object or another, each has components of its own, and the
+    perceptron learns which to choose. How much of what the perceptron says is added to a line, its
+    trust, is 1 unless it is measured on data left out.
 
     Args:
         trunk: Of the perceptron.
@@ -155,25 +159,38 @@ class ParameterNetwork(nn.Module):
         super().__init__()
         primitives, width = mask.shape
         self.trunk = trunk
-        self._shape = (primitives, components, 1 + 2 * width)
+        self._shape = (primitives, components, width)
         self.minimum_deviation = minimum_deviation
         self.head = nn.Linear(hidden, primitives * components * (1 + 2 * width))
         self._start_head()
-        self.register_buffer("weight", torch.zeros(primitives, width, inputs))
-        self.register_buffer("bias", torch.zeros(primitives, width))
-        self.register_buffer("spread", torch.ones(primitives, width))
+        self.register_buffer("weight", torch.zeros(*self._shape, inputs))
+        self.register_buffer("bias", torch.zeros(self._shape))
+        self.register_buffer("spread", torch.ones(self._shape))
         self.register_buffer("trust", torch.ones(primitives, width))
         self.register_buffer("mask", mask.float())
 
     def _start_head(self) -> None:
-        """Start at the line, with narrow components and wide ones that catch outliers."""
-        _, components, channels = self._shape
-        width = channels // 2
+        """Start at the lines, with narrow components and wide ones that catch outliers."""
+        primitives, components, width = self._shape
         with torch.no_grad():
             self.head.weight.mul_(0.1)
-            bias = torch.zeros(self._shape)
+            bias = torch.zeros(primitives, components, 1 + 2 * width)
             bias[:, :, 1 + width :] = torch.linspace(0.0, 3.0, components)[:, None]
             self.head.bias.copy_(bias.flatten())
+
+    def set_lines(self, primitive: int, lines: Sequence[LinearFit]) -> None:
+        """Give a primitive's components their lines, the first ones again where they are fewer.
+
+        Args:
+            primitive: Whose.
+            lines: Of the parameters that it has; those beyond the number of components are left
+                out.
+        """
+        for component in range(self._shape[1]):
+            line = lines[component % len(lines)]
+            own = (primitive, component, slice(len(line.bias)))
+            self.weight[own], self.bias[own] = line.weight.float(), line.bias.float()
+            self.spread[own] = line.spread.clamp_min(self.minimum_deviation).float()
 
     def forward(self, frames: Tensor, labels: Tensor) -> Mixture:
         """Return the mixtures of targets.
@@ -182,37 +199,38 @@ class ParameterNetwork(nn.Module):
             frames: ``(n, 1 or 2, features)``.
             labels: The primitive of each, ``(n,)``.
         """
-        rest = self.residual_mixture(frames, labels)
-        spread, trust = self.spread[labels][:, None], self.trust[labels][:, None]
-        means = self._line(frames, labels)[:, None] + spread * trust * rest.means
-        return rest._replace(means=means, deviations=spread * rest.deviations)
-
-    def residuals(self, frames: Tensor, labels: Tensor, targets: Tensor) -> Tensor:
-        """Return what the lines leave over of targets ``(n, D)``, in spreads, ``(n, D)``.
-
-        The lines do not change while the network trains, so this is done once.
-        """
-        return (targets - self._line(frames, labels)) / self.spread[labels]
+        return self.mixture(frames, labels, self.trust)
 
     def loss(self, batch: Examples, generator: torch.Generator) -> Tensor:
-        """Return the mean negative log density of residuals, given as the batch's targets."""
-        mixture = self.residual_mixture(batch.frames, batch.labels, generator)
+        """Return the mean negative log density, with the perceptron trusted in full."""
+        trust = torch.ones_like(self.trust)
+        mixture = self.mixture(batch.frames, batch.labels, trust, generator)
         return -log_density(mixture, batch.targets).mean()
 
-    def _line(self, frames: Tensor, labels: Tensor) -> Tensor:
-        line: Tensor = (self.weight[labels] @ frames.flatten(1)[:, :, None])[:, :, 0]
-        return line + self.bias[labels]
-
-    def residual_mixture(
-        self, frames: Tensor, labels: Tensor, generator: torch.Generator | None = None
+    def mixture(
+        self,
+        frames: Tensor,
+        labels: Tensor,
+        trust: Tensor,
+        generator: torch.Generator | None = None,
     ) -> Mixture:
-        """Return the mixtures of residuals; see `forward` and `Trunk.forward`."""
-        primitives, components, channels = self._shape
-        width = channels // 2
+        """Return the mixtures of targets; see `forward` and `Trunk.forward`.
+
+        Args:
+            frames: ``(n, 1 or 2, features)``.
+            labels: ``(n,)``.
+            trust: In the perceptron, ``(primitives, D)``.
+            generator: Of the input noise; None for no noise.
+        """
+        primitives, components, width = self._shape
+        rows = torch.arange(len(labels))
         outputs = self.head(self.trunk(frames, generator))
-        outputs = outputs.view(-1, primitives, components, channels)
-        chosen = outputs[torch.arange(len(labels)), labels]
-        least = (self.minimum_deviation / self.spread)[labels][:, None]
-        deviations = functional.softplus(chosen[:, :, 1 + width :]) + least
-        means = chosen[:, :, 1 : 1 + width]
-        return Mixture(chosen[:, :, 0], means, deviations, self.mask[labels])
+        outputs = outputs.view(-1, primitives, components, 1 + 2 * width)[rows, labels]
+        # All primitives' lines in one product: choosing their weights first would copy them.
+        lines = frames.flatten(1) @ self.weight.flatten(0, 2).T
+        lines = lines.view(-1, *self._shape)[rows, labels] + self.bias[labels]
+        spread = self.spread[labels]
+        means = lines + spread * trust[labels][:, None] * outputs[:, :, 1 : 1 + width]
+        deviations = spread * functional.softplus(outputs[:, :, 1 + width :])
+        deviations = deviations + self.minimum_deviation
+        return Mixture(outputs[:, :, 0], means, deviations, self.mask[labels])

@@ -1,7 +1,6 @@
 """What is computed from examples before and after a network trains on them."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
@@ -20,7 +19,10 @@ MAXIMUM_ROWS = 100_000  # more do not make statistics better
 LEAST_GAIN = 0.2  # share of the line's error that a trusted perceptron must save
 ENOUGH_ROWS = 8  # left out, to say how far a perceptron is to be trusted
 TRUSTS = torch.linspace(0, 1, 9)
-BLOCK = 4096  # examples whose residuals are computed at a time, which bounds the memory
+
+type LineFitter = Callable[[Tensor, Tensor, Tensor], Sequence[LinearFit]]
+"""Fits lines to inputs ``(n, inputs)``, outputs ``(n, outputs)`` and units ``(outputs,)``: how much
+an output changes where an input that is copied changes by one. All are float64."""
 
 
 def measure_inputs(trunk: Trunk, source: Source) -> None:
@@ -40,61 +42,48 @@ def measure_inputs(trunk: Trunk, source: Source) -> None:
 
 
 def fit_lines(
-    network: ParameterNetwork,
-    source: Source,
-    space: PrimitiveSpace,
-    fit: Callable[[Tensor, Tensor, Tensor], LinearFit],
+    network: ParameterNetwork, source: Source, space: PrimitiveSpace, fit: LineFitter
 ) -> None:
-    """Fit the lines of a parameter network, one for each primitive that has examples.
+    """Fit the lines of a parameter network, for each primitive that has examples.
 
     Args:
         network: Its lines are set.
         source: Examples with targets.
         space: The primitives.
-        fit: `fit_linear` or `fit_copy`.
+        fit: Of each primitive.
     """
     units = torch.from_numpy(ParameterCodec(space).units)
     for primitive, parameters in enumerate(space.parameter_spaces):
         rows = torch.nonzero(source.labels == primitive)[:, 0]
         if not len(rows):
             continue
-        own = (primitive, slice(len(parameters)))
-        batch = source.batch(rows)
-        inputs, outputs = batch.frames.flatten(1).double(), batch.targets[:, own[1]].double()
-        line = fit(inputs, outputs, units[own])
-        network.weight[own], network.bias[own] = line.weight.float(), line.bias.float()
-        network.spread[own] = line.spread.clamp_min(network.minimum_deviation).float()
-
-
-def with_residuals(network: ParameterNetwork, source: Source) -> Source:
-    """Return the examples with what the network's lines leave over as targets."""
-    with torch.no_grad():
-        blocks = [
-            network.residuals(*source.batch(rows))
-            for rows in torch.split(torch.arange(len(source.labels)), BLOCK)
-        ]
-    return replace(source, targets=torch.cat(blocks))
+        batch, own = source.batch(rows), slice(len(parameters))
+        inputs, outputs = batch.frames.flatten(1).double(), batch.targets[:, own].double()
+        network.set_lines(primitive, fit(inputs, outputs, units[primitive, own]))
 
 
 def measure_trust(network: ParameterNetwork, left_out: Source) -> None:
     """Set how much each primitive's perceptron is trusted, by the errors on data left out.
 
-    Where few rollouts leave little beyond their own noise to learn, the line alone is better.
+    Where few rollouts leave little beyond their own noise to learn, the lines alone are better.
 
     Args:
         network: Trained on other examples.
-        left_out: Examples, with residuals as targets.
+        left_out: Examples.
     """
+    nothing, everything = torch.zeros_like(network.trust), torch.ones_like(network.trust)
     with torch.no_grad():
         for primitive in range(len(network.trust)):
             rows = torch.nonzero(left_out.labels == primitive)[:, 0]
             if len(rows) < ENOUGH_ROWS:
                 network.trust[primitive] = 0.0
                 continue
-            batch = left_out.batch(rows)
-            means = best_means(network.residual_mixture(batch.frames, batch.labels))
-            errors = (batch.targets - TRUSTS[:, None, None] * means).abs().median(dim=1).values
-            best, least = errors.argmin(dim=0), errors.min(dim=0).values
+            frames, labels, targets = left_out.batch(rows)
+            lines = best_means(network.mixture(frames, labels, nothing))
+            corrections = best_means(network.mixture(frames, labels, everything)) - lines
+            errors = (targets - lines - TRUSTS[:, None, None] * corrections).abs()
+            medians = errors.median(dim=1).values
+            best, least = medians.argmin(dim=0), medians.min(dim=0).values
             # A small gain on a few rows is chance.
-            gains = least < (1 - LEAST_GAIN) * errors[0]
+            gains = least < (1 - LEAST_GAIN) * medians[0]
             network.trust[primitive] = torch.where(gains, TRUSTS[best], 0.0)

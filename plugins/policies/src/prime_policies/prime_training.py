@@ -14,8 +14,8 @@ from prime_core.policy import PolicyData
 from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
+from prime_policies.copies import fit_copies
 from prime_policies.examples import Source
-from prime_policies.linear import fit_copy
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.prime import PrimePolicyConfig
@@ -66,8 +66,10 @@ def fit_policy(
 
     sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
     preparing.measure_inputs(parameter_network.trunk, _all_of(sources))
-    preparing.fit_lines(parameter_network, sources[0], space, fit_copy)
-    sources = _residuals(parameter_network, sources)
+    owners = torch.from_numpy(encoder.objects)
+    groups = [owners == number for number in range(len(description.objects))]
+    fit = partial(fit_copies, shared=owners < 0, groups=groups)
+    preparing.fit_lines(parameter_network, sources[0], space, fit)
     trainer.pretrain(PARAMETERS, parameter_network, sources)
     # A checkpoint has a card once both its networks are there.
     complete = partial(write_card, card=card)
@@ -177,10 +179,6 @@ def _parameter_source(data: PolicyData, features: torch.Tensor, space: Primitive
     return examples.parameter_source(
         features, data.parameter_frames, data.parameter_labels, targets, data.parameter_weights
     )
-
-
-def _residuals(network: ParameterNetwork, sources: list[Source]) -> list[Source]:
-    return [preparing.with_residuals(network, source) for source in sources]
 
 
 def _all_of(sources: list[Source]) -> Source:
