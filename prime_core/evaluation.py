@@ -1,7 +1,8 @@
 """Runs a policy over primitives in an environment, trial by trial."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from pydantic import Field
@@ -12,6 +13,7 @@ from prime_core.execution import OnStep, run_primitive
 from prime_core.policy import Policy
 from prime_core.primitive import Primitive
 from prime_core.primitive_calls import PrimitiveCall
+from prime_core.scene import Scene
 
 
 class EvaluationConfig(Config):
@@ -77,7 +79,8 @@ def run_trial(
         startable = np.array([item.can_start(scene) for item in primitives])
         if not startable.any():
             break
-        call = policy.act(scene, startable, generator)
+        feasible = partial(_is_feasible, by_name, scene)
+        call = policy.act(scene, startable, feasible, generator)
         primitive = by_name[call.primitive]
         execution = run_primitive(
             environment,
@@ -93,3 +96,7 @@ def run_trial(
         # A primitive that ends at once still costs a step, or a policy could go on for ever.
         steps += max(execution.steps, 1)
     return Trial(solved, steps, tuple(calls), tuple(completed))
+
+
+def _is_feasible(primitives: Mapping[str, Primitive], scene: Scene, call: PrimitiveCall) -> bool:
+    return primitives[call.primitive].reachable(scene, call.parameters)

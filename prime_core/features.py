@@ -43,6 +43,7 @@ class FeatureEncoder:
     Attributes:
         names: A name for each feature.
         objects: The number of the object that each feature is of, -1 for the gripper's.
+        held: The numbers of the features that say whether an object is held, one for each object.
     """
 
     def __init__(self, description: SceneDescription) -> None:
@@ -54,6 +55,7 @@ class FeatureEncoder:
             self.names += names
             owners += [number] * len(names)
         self.objects = np.array(owners)
+        self.held = np.flatnonzero([name.endswith(".held") for name in self.names])
 
     @property
     def width(self) -> int:

@@ -1,7 +1,7 @@
 """The contract of a policy over primitives: p(primitive | s) and p(parameters | s, primitive)."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +46,11 @@ class Policy(ABC):
 
     @abstractmethod
     def act(
-        self, scene: Scene, startable: NDArray[np.bool_], generator: np.random.Generator
+        self,
+        scene: Scene,
+        startable: NDArray[np.bool_],
+        feasible: Callable[[PrimitiveCall], bool],
+        generator: np.random.Generator,
     ) -> PrimitiveCall:
         """Return the primitive call to make.
 
@@ -54,6 +58,8 @@ class Policy(ABC):
             scene: The scene as it is now.
             startable: For each primitive, in the order of the primitive space, whether it can
                 start here; at least one can.
+            feasible: Tells whether the arm can do a call of one of them from here. A policy that
+                has several calls to choose from can leave out those that would come to nothing.
             generator: Of all random draws.
         """
 

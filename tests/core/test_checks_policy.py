@@ -1,6 +1,6 @@
 """Every way to break the contract of a policy is found, and named."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,11 @@ class Fixed(Policy):
         self.shift = shift
 
     def act(
-        self, scene: Scene, startable: NDArray[np.bool_], generator: np.random.Generator
+        self,
+        scene: Scene,
+        startable: NDArray[np.bool_],
+        feasible: Callable[[PrimitiveCall], bool],
+        generator: np.random.Generator,
     ) -> PrimitiveCall:
         index = int(np.argmax(startable))
         space = self.space.parameter_spaces[index]
@@ -77,8 +81,10 @@ def test_a_policy_that_keeps_the_contract_passes(pretrain: bool) -> None:
 
 
 class IgnoresStartable(Fixed):
-    def act(self, scene: Scene, startable: Any, generator: np.random.Generator) -> PrimitiveCall:
-        return super().act(scene, np.array([True, True]), generator)
+    def act(
+        self, scene: Scene, startable: Any, feasible: Any, generator: np.random.Generator
+    ) -> PrimitiveCall:
+        return super().act(scene, np.array([True, True]), feasible, generator)
 
 
 class CallsUnknown(Fixed):

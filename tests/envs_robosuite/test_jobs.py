@@ -7,7 +7,7 @@ import pytest
 
 from prime_core.scene import Scene
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.jobs import HoldUp, Job, Push, PutInto, PutOnto, Reach
+from prime_envs_robosuite.jobs import HoldUp, Job, Push, PutInto, PutOnto, Reach, in_opposite_order
 from prime_envs_robosuite.lift import CUBE_HALF_SIZE, TABLE_TOP, LiftTask
 from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
 
@@ -59,6 +59,12 @@ def perform(
 
 def cube(scene: Scene) -> list[float]:
     return [float(value) for value in scene.object_positions[0]]
+
+
+def test_what_pushes_keeps_its_place_in_the_opposite_order() -> None:
+    other = HoldUp(object_name="cube")
+    assert in_opposite_order((PUT, other, PUSH)) == (other, PUT, PUSH)
+    assert in_opposite_order((PUSH, PUT)) == (PUSH, PUT)
 
 
 @pytest.mark.parametrize("seed", range(4))

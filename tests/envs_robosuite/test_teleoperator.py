@@ -221,6 +221,17 @@ def test_nobody_grips_a_box_by_its_edge_because_a_bin_is_in_the_way() -> None:
             assert frames.state[first, 2] - objects[first, box, 2] < 0.02  # B reaches up 0.028 m
 
 
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_either_small_box_may_be_taken_first(share: float) -> None:
+    experiment = read_experiment(EXPERIMENTS / "tidy_up.yaml")
+    people = experiment.demonstrations.model_copy(update={"other_order_share": share})
+    for index in range(2):
+        frames = people.demonstrate(TidyUpConfig(), index, 0).frames
+        taken = frames.environment_state.reshape(len(frames), -1, 8)[:, :2, 7] > 0.5
+        first = taken.argmax(axis=0)
+        assert bool(first[0] < first[1]) == (share == 1.0)
+
+
 def test_a_range_must_be_in_order() -> None:
     with pytest.raises(ValidationError, match=r"0 <= low <= high; found \[0.3, 0.1\]"):
         SimulatedTeleoperatorConfig(speed=(0.3, 0.1))

@@ -1,10 +1,11 @@
 import math
 
+import numpy as np
 import pytest
 import torch
 from torch.distributions import Categorical, Independent, MixtureSameFamily, Normal
 
-from prime_policies.mixture import Mixture, best_means, log_density
+from prime_policies.mixture import Mixture, best_means, draw, log_density
 
 
 def mixture() -> Mixture:
@@ -43,3 +44,15 @@ def test_a_single_gaussian_has_its_density() -> None:
     one = Mixture(torch.zeros(1, 1), torch.zeros(1, 1, 1), torch.ones(1, 1, 1), torch.ones(1, 1))
     expected = -0.5 * math.log(2 * math.pi)
     assert float(log_density(one, torch.zeros(1, 1))[0]) == pytest.approx(expected)
+
+
+def test_draws_are_those_of_the_mixture_the_densest_first() -> None:
+    ours = Mixture(*(item[:1] for item in mixture()))
+    values = draw(ours, 20_000, np.random.default_rng(0))
+    weights = ours.logits.softmax(dim=1)[0, :, None]
+    mean = (weights * ours.means[0]).sum(dim=0)
+    variance = (weights * (ours.deviations[0] ** 2 + ours.means[0] ** 2)).sum(dim=0) - mean**2
+    torch.testing.assert_close(values.mean(dim=0), mean, atol=0.03, rtol=0)
+    torch.testing.assert_close(values.var(dim=0), variance, atol=0.05, rtol=0.03)
+    batch = Mixture(*(item.expand(len(values), *item.shape[1:]) for item in ours))
+    assert bool((log_density(batch, values).diff() <= 0).all())

@@ -57,7 +57,7 @@ def line(width: int, output: int, feature: int, bias: float) -> LinearFit:
 
 def test_components_start_near_their_lines() -> None:
     ours = parameter_network()
-    ours.set_lines(0, [line(2, 1, 4, 0.25), line(2, 1, 0, -0.5)])
+    ours.set_lines(0, [line(2, 1, 4, 0.25), line(2, 1, 0, -0.5)], range(5))
     pairs = frames(5, 2)
     means = ours(pairs, torch.zeros(5, dtype=torch.int64)).means
     expected = torch.stack((pairs[:, 1, 1] + 0.25, pairs[:, 0, 0] - 0.5), dim=1)
@@ -66,7 +66,7 @@ def test_components_start_near_their_lines() -> None:
 
 def test_a_line_has_the_parameters_of_its_primitive_alone() -> None:
     ours = parameter_network()
-    ours.set_lines(1, [line(1, 0, 3, 0.5)])
+    ours.set_lines(1, [line(1, 0, 3, 0.5)], range(5))
     assert float(ours.weight[1, :, 0, 3].min()) == 1.0
     assert float(ours.weight[1, :, 1].abs().max()) == 0.0
     assert float(ours.weight[0].abs().max()) == 0.0
@@ -74,7 +74,7 @@ def test_a_line_has_the_parameters_of_its_primitive_alone() -> None:
 
 def test_without_trust_the_means_are_the_lines() -> None:
     ours = parameter_network()
-    ours.set_lines(0, [line(2, 0, 3, 0.0)])
+    ours.set_lines(0, [line(2, 0, 3, 0.0)], range(5))
     ours.trust.zero_()
     pairs = frames(5, 2)
     means = ours(pairs, torch.zeros(5, dtype=torch.int64)).means

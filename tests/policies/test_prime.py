@@ -75,7 +75,11 @@ def scenes(world: World) -> list[Scene]:
 
 
 def act(policy: Policy, scene: Scene, startable: np.ndarray = ALL) -> PrimitiveCall:
-    return policy.act(scene, startable, np.random.default_rng(0))
+    return policy.act(scene, startable, anything, np.random.default_rng(0))
+
+
+def anything(call: PrimitiveCall) -> bool:
+    return True
 
 
 def fit(
@@ -132,13 +136,45 @@ def test_it_picks_only_what_can_start(policy: Policy) -> None:
     assert act(policy, scene, np.array([True, False, True])).primitive != "grasp"
 
 
+def test_it_leaves_out_what_is_not_feasible(policy: Policy) -> None:
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    likeliest = act(policy, scene)
+
+    def another(call: PrimitiveCall) -> bool:
+        return not np.array_equal(call.parameters, likeliest.parameters)
+
+    call = policy.act(scene, ALL, another, np.random.default_rng(0))
+    assert call.primitive == likeliest.primitive
+    assert 0 < np.linalg.norm(call.parameters[:3] - likeliest.parameters[:3]) < 0.1
+
+
+def test_it_does_something_else_where_a_primitive_is_not_feasible_at_all(policy: Policy) -> None:
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    likeliest = act(policy, scene)
+
+    def other_primitive(call: PrimitiveCall) -> bool:
+        return call.primitive != likeliest.primitive
+
+    call = policy.act(scene, ALL, other_primitive, np.random.default_rng(0))
+    assert call.primitive != likeliest.primitive
+
+
+def test_it_does_the_likeliest_where_nothing_is_feasible(policy: Policy) -> None:
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    call = policy.act(scene, ALL, lambda call: False, np.random.default_rng(0))
+    assert np.array_equal(call.parameters, act(policy, scene).parameters)
+
+
 def test_it_is_not_stuck_with_one_primitive_where_it_is_unsure(
     tmp_path: Path, explored: PolicyData, shown: PolicyData
 ) -> None:
     checkpoints = BRIEF.fit(explored, shown, DESCRIPTION, SPACE, tmp_path, 0, no_progress)
     unsure = BRIEF.load(checkpoints[-1], DESCRIPTION, SPACE)
     scene = scenes(demonstrations(seed=9, episodes=1))[0]
-    picked = {unsure.act(scene, ALL, np.random.default_rng(seed)).primitive for seed in range(50)}
+    picked = {
+        unsure.act(scene, ALL, anything, np.random.default_rng(seed)).primitive
+        for seed in range(50)
+    }
     assert len(picked) > 1
 
 
@@ -150,7 +186,7 @@ def test_its_parameters_are_within_their_bounds(policy: Policy) -> None:
 
 def test_the_same_scene_gives_the_same_call(policy: Policy) -> None:
     scene = scenes(demonstrations(seed=9, episodes=1))[0]
-    first, second = act(policy, scene), policy.act(scene, ALL, np.random.default_rng(5))
+    first, second = act(policy, scene), policy.act(scene, ALL, anything, np.random.default_rng(5))
     assert first.primitive == second.primitive
     assert np.array_equal(first.parameters, second.parameters)
 

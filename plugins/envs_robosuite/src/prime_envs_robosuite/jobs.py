@@ -3,6 +3,7 @@
 Lengths are metres, angles radians, heights and positions in the world frame.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -125,3 +126,9 @@ class Push(Job):
     standoff: float
     touching: float
     height: float
+
+
+def in_opposite_order(jobs: Sequence[Job]) -> tuple[Job, ...]:
+    """Return jobs with those that take something in the opposite order, the others in place."""
+    takings = [job for job in jobs if isinstance(job, Taking)]
+    return tuple(takings.pop() if isinstance(job, Taking) else job for job in jobs)

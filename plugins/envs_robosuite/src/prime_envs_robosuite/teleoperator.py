@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, PositiveInt
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.jobs import Job
+from prime_envs_robosuite.jobs import Job, in_opposite_order
 from prime_envs_robosuite.teleoperator_motion import Style
 from prime_envs_robosuite.teleoperator_person import Person, stands
 
@@ -97,6 +97,9 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     other_yaw_share: float = Field(0.25, ge=0, le=1)
     """Share of grasps at another yaw than the nearest that the object's symmetry allows."""
 
+    other_order_share: float = Field(0.0, ge=0, le=1)
+    """Share of demonstrations in which the things to take are taken in the opposite order."""
+
     steps: tuple[PositiveInt, PositiveInt] = (150, 500)
     """Least and greatest number of motor actions."""
 
@@ -135,6 +138,8 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
         # Drawn aside: settings that came later leave earlier people as they were.
         aside = generator.spawn(1)[0]
         drawn |= {name: float(aside.uniform(*getattr(self, name))) for name in HABITS}
+        if aside.random() < self.other_order_share:
+            jobs = in_opposite_order(jobs)
         return Person(jobs, Style(**drawn), misses, self.other_yaw_share, generator)
 
 

@@ -1,67 +1,144 @@
 """Lines that copy the features of one object each, for targets that are chosen."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from prime_policies.linear import MAXIMUM_ROWS, LinearFit, thin
+from prime_policies.linear import MAXIMUM_ROWS, LinearFit, regress, thin
 from prime_policies.threads import one_thread
 
 NEAR = 0.2  # standard deviations of an output: what is further from a line is far from it
-LEAST_SAVING = 0.2  # share of the constant's error that a copy must save: a small one is chance
+LEAST_SURPLUS = 1.1  # times as many outputs that must gather about a copy as about a constant
+LEAST_SAVING = 0.3  # share of the constant's error that a copy must save: a small one is chance
 LEAST_GAIN = 0.5  # outputs of a row that must come near a further line for the row to be its own
 LEAST_SHARE = 0.05  # of the rows that must be a further line's own
 MAXIMUM_START_ROWS = 2_000  # enough to see which features outputs gather about
 
 
+@dataclass(frozen=True, eq=False)
+class Features:
+    """What inputs mean.
+
+    Attributes:
+        shared: Which any line may copy, ``(inputs,)`` bool.
+        objects: Of each object, which others a line about it may copy, ``(inputs,)`` bool.
+        held: The numbers of those that say whether an object is held.
+    """
+
+    shared: Tensor
+    objects: Sequence[Tensor]
+    held: Tensor
+
+
 def fit_copies(
-    inputs: Tensor, outputs: Tensor, units: Tensor, shared: Tensor, groups: Sequence[Tensor]
+    inputs: Tensor, outputs: Tensor, units: Tensor, features: Features, maximum: int
 ) -> list[LinearFit]:
     """Fit outputs that are chosen, and do not follow from the inputs: copies and no more.
 
     A grasp goes to one box or to another: no one feature tells where. So there are lines for
-    several groups of features, those of one object each, as far as outputs gather about them. A
-    line gives each output as one feature (or less one feature) plus a constant, or as the constant
-    alone, whichever has the smallest mean error over the rows that the line is nearest to. The
-    median would hide that a copy is far off in a part of them. A regression on top finds
-    coincidences among the few demonstrations, such as a tilt of the object by a hundredth of a
-    degree, and takes them far outside of what was demonstrated.
+    several objects, as far as outputs gather about their features. An object has several where it
+    is gripped now this way, now that. Each thing that may be held has its own lines too, for where
+    a thing is put depends on what it is. A line gives each output as one
+    feature (or less one feature) plus a constant, or as the constant alone, whichever has the
+    smallest mean error over the rows that the line is nearest to. The median would hide that a
+    copy is far off in a part of them. The few features that some output of a line copies may then
+    correct all of its outputs: a push starts the further aside, the further an object is from
+    where it has to go. A regression on all features finds coincidences among few demonstrations,
+    such as a tilt of the object by a hundredth of a degree, and takes them far outside of what was
+    demonstrated.
 
     Args:
         inputs: ``(n, inputs)`` float64, in their units.
         outputs: ``(n, outputs)`` float64.
         units: How much an output changes where an input that is copied changes by one,
             ``(outputs,)``.
-        shared: Which inputs any line may copy, ``(inputs,)`` bool.
-        groups: Of each object, which others its line may copy, ``(inputs,)`` bool.
+        features: What the inputs mean.
+        maximum: Lines at most.
 
     Returns:
-        First the line that most outputs are near, then those about objects that outputs far
-        from the ones before gather about.
+        First the line that most outputs are near, then those that outputs far from the ones
+        before gather about; so for each thing that may be held, the most frequent one first.
     """
     with one_thread():
         inputs, outputs = thin(inputs, MAXIMUM_ROWS), thin(outputs, MAXIMUM_ROWS)
-        copies = _Copies(inputs, outputs, units)
-        left, chosen, errors = list(groups or [shared]), [], []
-        least = inputs.new_full((len(inputs),), float(outputs.shape[1]))
-        while left:
-            far = least > LEAST_GAIN
-            starts = [copies.gathered(shared | group, far) for group in left]
-            gains = [copies.errors(start) < least - LEAST_GAIN for start in starts]
-            if chosen:  # A further line must be about its object.
-                gains = [
-                    gain & bool(start.weight[:, group].any())
-                    for gain, start, group in zip(gains, starts, left, strict=True)
-                ]
-            best = max(range(len(left)), key=lambda index: int(gains[index].sum()))
-            if chosen and int(gains[best].sum()) < LEAST_SHARE * len(inputs):
-                break
-            chosen.append(shared | left.pop(best))
-            errors.append(copies.errors(starts[best]))
-            least = torch.minimum(least, errors[-1])
-        nearest = torch.stack(errors).argmin(dim=0)
-        return [copies.fitted(group, nearest == index) for index, group in enumerate(chosen)]
+        parts = _by_what_is_held(inputs[:, features.held])
+        lines = []
+        for rows in parts[:maximum]:
+            copies = _Copies(inputs[rows], outputs[rows], units)
+            lines += _gather(copies, features, max(1, maximum // len(parts)))
+        return lines
+
+
+def _by_what_is_held(held: Tensor) -> list[Tensor]:
+    """Return the rows of each thing that is often held, or of nothing, ``(n,)`` bool.
+
+    Args:
+        held: Whether each object is, ``(n, objects)``.
+    """
+    which = held @ torch.arange(1.0, held.shape[1] + 1, dtype=held.dtype)
+    values, counts = which.unique(return_counts=True)
+    order = counts.argsort(descending=True, stable=True).tolist()
+    return [which == values[i] for i in order if counts[i] >= LEAST_SHARE * len(which)]
+
+
+def _gather(copies: "_Copies", features: Features, maximum: int) -> list[LinearFit]:
+    """Return the lines that outputs gather about, the one with the most first."""
+    objects = features.objects or [torch.zeros_like(features.shared)]
+    chosen: list[Tensor] = []
+    errors: list[Tensor] = []
+    least, far = copies.nothing_near()
+    while len(chosen) < maximum:
+        starts = [copies.gathered(features.shared | item, far) for item in objects]
+        found = [copies.errors(start) for start in starts]
+        gains = [item.sum(dim=1) < least - LEAST_GAIN for item in found]
+        counts = [
+            int(gain.sum()) if not chosen or _is_about(start, item) else 0
+            for gain, start, item in zip(gains, starts, objects, strict=True)
+        ]
+        best = max(range(len(starts)), key=lambda index: counts[index])
+        if chosen and counts[best] < LEAST_SHARE * len(least):
+            break
+        chosen.append(objects[best])
+        errors.append(found[best])
+        least = torch.minimum(least, errors[-1].sum(dim=1))
+        far &= errors[-1].amax(dim=1) >= 1.0
+    return _refitted(copies, features, chosen, errors)
+
+
+def _is_about(fit: LinearFit, item: Tensor) -> bool:
+    """Whether a line copies an object's features ``(inputs,)`` bool.
+
+    A further line that does not would only cut noise in pieces.
+    """
+    return bool(fit.weight[:, item].any())
+
+
+def _refitted(
+    copies: "_Copies", features: Features, chosen: list[Tensor], errors: list[Tensor]
+) -> list[LinearFit]:
+    """Return the lines of chosen objects, fitted to the rows nearest to each.
+
+    Args:
+        copies: Fits them.
+        features: What the inputs mean.
+        chosen: Features of each line's object.
+        errors: Of each line before, ``(n, outputs)``.
+    """
+    nearest = torch.stack(errors).sum(dim=2).argmin(dim=0)
+    lines = [
+        copies.fitted(features.shared | item, nearest == index) for index, item in enumerate(chosen)
+    ]
+    kept = [
+        index
+        for index, (line, item) in enumerate(zip(lines, chosen, strict=True))
+        if bool((nearest == index).any()) and (index == 0 or _is_about(line, item))
+    ]
+    if len(kept) == len(chosen):
+        return lines
+    kept = kept or [0]
+    return _refitted(copies, features, [chosen[i] for i in kept], [errors[i] for i in kept])
 
 
 class _Copies:
@@ -77,10 +154,15 @@ class _Copies:
         self._inputs, self._outputs, self._units = inputs, outputs, units
         self._near = NEAR * outputs.std(dim=0, correction=0).clamp_min(1e-9)
 
+    def nothing_near(self) -> tuple[Tensor, Tensor]:
+        """Return the sum of errors where no line is near, and that all rows are far, ``(n,)``."""
+        count, width = self._outputs.shape
+        return self._outputs.new_full((count,), float(width)), torch.ones(count, dtype=torch.bool)
+
     def errors(self, fit: LinearFit) -> Tensor:
-        """Return how many outputs of each row are far from a line, fractions included, ``(n,)``."""
+        """Return how far outputs are from a line, from 0 to 1: far, ``(n, outputs)``."""
         errors = (self._outputs - self._inputs @ fit.weight.T - fit.bias).abs() / self._near
-        return errors.clamp_max(1.0).sum(dim=1)
+        return errors.clamp_max(1.0)
 
     def gathered(self, group: Tensor, rows: Tensor) -> LinearFit:
         """Return the line that has the most outputs, each for itself, near it.
@@ -99,7 +181,7 @@ class _Copies:
             ends = torch.searchsorted(rest.T.contiguous(), (rest + 2 * near).T.contiguous())
             counts = ends.T - torch.arange(len(rest))[:, None]
             most, first = counts.max(dim=0)
-            best = int(most.argmax())
+            best = int(most.argmax()) if most.max() > LEAST_SURPLUS * most[0] else 0
             fit.weight[row] = self._units[row] * choices[best]
             fit.bias[row] = rest[first[best] : first[best] + most[best], best].median()
         return fit
@@ -110,11 +192,18 @@ class _Copies:
         choices = _choices(group)
         for row, unit in enumerate(self._units):
             rest = self._differences(row, choices, rows)
-            centres = rest.median(dim=0).values
-            means = (rest - centres).abs().mean(dim=0)
+            if not len(rest):
+                return fit
+            means = (rest - rest.median(dim=0).values).abs().mean(dim=0)
             best = int(means.argmin()) if means.min() < (1 - LEAST_SAVING) * means[0] else 0
-            fit.weight[row], fit.bias[row] = unit * choices[best], centres[best]
-            fit.spread[row] = (rest[:, best] - centres[best]).std(correction=0)
+            fit.weight[row] = unit * choices[best]
+        copied, inputs = fit.weight.any(dim=0), self._inputs[rows]
+        for row, output in enumerate(self._outputs[rows].T):
+            rest = output - inputs @ fit.weight[row]
+            slopes, fit.bias[row] = regress(inputs[:, copied], rest)
+            fit.weight[row, copied] += slopes
+            rest = output - inputs @ fit.weight[row] - fit.bias[row]
+            fit.spread[row] = rest.std(correction=0)
         return fit
 
     def _differences(self, output: int, choices: Tensor, rows: Tensor) -> Tensor:

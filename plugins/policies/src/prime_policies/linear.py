@@ -47,8 +47,8 @@ def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
 
     Each output is first taken as one input plus a constant (or the constant alone), whichever
     has the smallest median error: a primitive's target is often the gripper's or an object's
-    position plus an offset. A ridge regression with Huber weights then corrects this copy, so
-    that few data shrink to the copy and not to zero.
+    position plus an offset. A regression then corrects this copy, so that few data shrink to the
+    copy and not to zero.
 
     All tensors are float64, for features that repeat each other leave few digits.
 
@@ -60,18 +60,35 @@ def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:
     """
     with one_thread():
         inputs, outputs = thin(inputs, MAXIMUM_ROWS), thin(outputs, MAXIMUM_ROWS)
-        centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
-        scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
-        design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
         fit = LinearFit.zero(inputs, outputs)
         for row, output in enumerate(outputs.T):
             fit.weight[row] = _best_copy(inputs, output, units[row])
             rest = output - inputs @ fit.weight[row]
-            solution = _huber_ridge(design, rest, _best_ridge(design, rest))
-            fit.weight[row] += solution[:-1] / scale
-            fit.bias[row] = solution[-1] - (solution[:-1] / scale) @ centre
-            fit.spread[row] = _deviation(rest - design @ solution)
+            slopes, fit.bias[row] = regress(inputs, rest)
+            fit.weight[row] += slopes
+            fit.spread[row] = _deviation(rest - inputs @ slopes - fit.bias[row])
         return fit
+
+
+def regress(inputs: Tensor, output: Tensor) -> tuple[Tensor, Tensor]:
+    """Fit an output by a ridge regression with Huber weights, as far as that is no chance.
+
+    Args:
+        inputs: ``(n, inputs)`` float64. Rows that follow each other may be alike.
+        output: ``(n,)`` float64.
+
+    Returns:
+        Slopes ``(inputs,)``, zero where they would save little of the error on rows left out, and
+        the constant ``()``.
+    """
+    if not inputs.numel():
+        return inputs.new_zeros(inputs.shape[1]), output.median()
+    centre, scale = inputs.median(dim=0).values, inputs.std(dim=0, correction=0)
+    scale = torch.where(scale > SCALE_FLOOR, scale, torch.inf)
+    design = torch.cat(((inputs - centre) / scale, inputs.new_ones(len(inputs), 1)), dim=1)
+    solution = _huber_ridge(design, output, _best_ridge(design, output))
+    slopes = solution[:-1] / scale
+    return slopes, solution[-1] - slopes @ centre
 
 
 def thin(rows: Tensor, maximum: int) -> Tensor:

@@ -3,6 +3,7 @@
 from math import log, pi
 from typing import NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -35,3 +36,13 @@ def best_means(mixture: Mixture) -> Tensor:
     """Return the mean of each mixture's weightiest component, ``(n, D)``."""
     best = mixture.logits.argmax(dim=-1)
     return mixture.means[torch.arange(len(best)), best]
+
+
+def draw(mixture: Mixture, count: int, generator: np.random.Generator) -> Tensor:
+    """Draw values of a mixture alone in its batch, the densest first, ``(count, D)``."""
+    weights = mixture.logits[0].double().softmax(dim=-1).numpy()
+    chosen = torch.from_numpy(generator.choice(len(weights), count, p=weights / weights.sum()))
+    means, deviations = mixture.means[0, chosen], mixture.deviations[0, chosen]
+    values = means + deviations * torch.from_numpy(generator.normal(size=means.shape)).float()
+    batch = Mixture(*(item.expand(count, *item.shape[1:]) for item in mixture))
+    return values[log_density(batch, values).argsort(descending=True, stable=True)]

@@ -53,7 +53,7 @@ def fit_idm(
 
     source, left_out = examples.split(_parameter_source(features, data, space))
     preparing.measure_inputs(parameter_network.trunk, source)
-    preparing.fit_lines(parameter_network, source, space, _fit_line)
+    preparing.fit_lines(parameter_network, source, space, _fit_line, range(config.components))
     trainings.train(
         PARAMETERS,
         parameter_network,

@@ -14,6 +14,7 @@ from torch.nn import functional
 from prime_policies.linear import LinearFit
 from prime_policies.mixture import Mixture, log_density
 
+WIDENING = 1.5  # of a component against one with the same line, before the softplus
 CLIP = 5.0  # normalised features beyond it are outside everything seen in training
 
 
@@ -130,7 +131,8 @@ class ParameterNetwork(nn.Module):
     A target that simply is where the gripper ends is thus exact from the first step. Where a
     primitive can be about one object or another, each has components of its own, and the
     perceptron learns which to choose. How much of what the perceptron says is added to a line, its
-    trust, is 1 unless it is measured on data left out.
+    trust, is 1 unless it is measured on data left out. Components may be left out of the mixture
+    for a while by `active`, 1 or 0 for each.
 
     Args:
         trunk: Of the perceptron.
@@ -145,6 +147,7 @@ class ParameterNetwork(nn.Module):
     bias: Tensor
     spread: Tensor
     trust: Tensor
+    active: Tensor
     mask: Tensor
 
     def __init__(
@@ -167,30 +170,35 @@ class ParameterNetwork(nn.Module):
         self.register_buffer("bias", torch.zeros(self._shape))
         self.register_buffer("spread", torch.ones(self._shape))
         self.register_buffer("trust", torch.ones(primitives, width))
+        self.register_buffer("active", torch.ones(components), persistent=False)
         self.register_buffer("mask", mask.float())
 
     def _start_head(self) -> None:
-        """Start at the lines, with narrow components and wide ones that catch outliers."""
-        primitives, components, width = self._shape
+        """Start at the lines."""
         with torch.no_grad():
             self.head.weight.mul_(0.1)
-            bias = torch.zeros(primitives, components, 1 + 2 * width)
-            bias[:, :, 1 + width :] = torch.linspace(0.0, 3.0, components)[:, None]
-            self.head.bias.copy_(bias.flatten())
+            self.head.bias.zero_()
 
-    def set_lines(self, primitive: int, lines: Sequence[LinearFit]) -> None:
-        """Give a primitive's components their lines, the first ones again where they are fewer.
+    def set_lines(self, primitive: int, lines: Sequence[LinearFit], components: range) -> None:
+        """Give components of a primitive their lines.
+
+        Where there are fewer lines than components, they come again, wider each time: wide
+        components catch outliers.
 
         Args:
             primitive: Whose.
             lines: Of the parameters that it has; those beyond the number of components are left
                 out.
+            components: Which.
         """
-        for component in range(self._shape[1]):
-            line = lines[component % len(lines)]
+        primitives, count, width = self._shape
+        bias = self.head.bias.detach().view(primitives, count, 1 + 2 * width)
+        for place, component in enumerate(components):
+            line = lines[place % len(lines)]
             own = (primitive, component, slice(len(line.bias)))
             self.weight[own], self.bias[own] = line.weight.float(), line.bias.float()
             self.spread[own] = line.spread.clamp_min(self.minimum_deviation).float()
+            bias[primitive, component, 1 + width :] = WIDENING * (place // len(lines))
 
     def forward(self, frames: Tensor, labels: Tensor) -> Mixture:
         """Return the mixtures of targets.
@@ -233,4 +241,5 @@ class ParameterNetwork(nn.Module):
         means = lines + spread * trust[labels][:, None] * outputs[:, :, 1 : 1 + width]
         deviations = spread * functional.softplus(outputs[:, :, 1 + width :])
         deviations = deviations + self.minimum_deviation
-        return Mixture(outputs[:, :, 0], means, deviations, self.mask[labels])
+        logits = outputs[:, :, 0].masked_fill(self.active == 0, -torch.inf)
+        return Mixture(logits, means, deviations, self.mask[labels])

@@ -42,7 +42,11 @@ def measure_inputs(trunk: Trunk, source: Source) -> None:
 
 
 def fit_lines(
-    network: ParameterNetwork, source: Source, space: PrimitiveSpace, fit: LineFitter
+    network: ParameterNetwork,
+    source: Source,
+    space: PrimitiveSpace,
+    fit: LineFitter,
+    components: range,
 ) -> None:
     """Fit the lines of a parameter network, for each primitive that has examples.
 
@@ -51,6 +55,7 @@ def fit_lines(
         source: Examples with targets.
         space: The primitives.
         fit: Of each primitive.
+        components: Which get the lines.
     """
     units = torch.from_numpy(ParameterCodec(space).units)
     for primitive, parameters in enumerate(space.parameter_spaces):
@@ -59,7 +64,7 @@ def fit_lines(
             continue
         batch, own = source.batch(rows), slice(len(parameters))
         inputs, outputs = batch.frames.flatten(1).double(), batch.targets[:, own].double()
-        network.set_lines(primitive, fit(inputs, outputs, units[primitive, own]))
+        network.set_lines(primitive, fit(inputs, outputs, units[primitive, own]), components)
 
 
 def measure_trust(network: ParameterNetwork, left_out: Source) -> None:

@@ -18,6 +18,10 @@ class PrimePolicyConfig(PolicyConfig, NetworkSettings):
     Both are pretrained on the rollouts, if asked, and then fine-tuned on the demonstrations.
     """
 
+    components: int = Field(16, ge=4)
+    """Gaussians in a mixture of parameters: for each object its own. With pretraining, half of
+    them start from what parameters of rollouts follow, half from what those of demonstrations
+    do."""
     pretraining_epochs: int = Field(8, ge=1)
     """Epochs of each network on the rollouts."""
     finetuning_epochs: int = Field(10, ge=1)

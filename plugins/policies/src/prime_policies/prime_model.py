@@ -1,19 +1,24 @@
 """The policy ``prime`` at work."""
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from prime_core.features import FeatureEncoder, gripper_yaw
 from prime_core.frames import Frames
-from prime_core.idm import PrimitiveSpace
+from prime_core.idm import Floats, PrimitiveSpace
 from prime_core.policy import Policy
 from prime_core.primitive_calls import PrimitiveCall
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene, SceneDescription
-from prime_policies.mixture import best_means
+from prime_policies.mixture import best_means, draw
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.threads import one_thread
+
+DRAWS = 50  # of parameters, where the most likely ones are not feasible
 
 
 class PrimePolicy(Policy):
@@ -40,12 +45,19 @@ class PrimePolicy(Policy):
 
     @torch.inference_mode()
     def act(
-        self, scene: Scene, startable: NDArray[np.bool_], generator: np.random.Generator
+        self,
+        scene: Scene,
+        startable: NDArray[np.bool_],
+        feasible: Callable[[PrimitiveCall], bool],
+        generator: np.random.Generator,
     ) -> PrimitiveCall:
-        """Draw a primitive that can start, with its most likely parameters.
+        """Draw a primitive that can start, with its most likely parameters that are feasible.
 
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
-        for ever where it changes nothing.
+        for ever where it changes nothing. Its parameters are the mean of the mixture's weightiest
+        component or, where that is not feasible, the likeliest of some draws from the mixture that
+        is. Where none is, another primitive is drawn; where no primitive has one, the first mean
+        is returned.
         """
         observation = scene.observation()
         frame = Frames(observation[STATE_KEY][None], observation[ENVIRONMENT_STATE_KEY][None])
@@ -53,9 +65,28 @@ class PrimePolicy(Policy):
         with one_thread():
             scores = np.where(startable, self._classifier(features)[0].double().numpy(), -np.inf)
             chances = np.exp(scores - scores.max())
-            label = generator.choice(len(chances), size=1, p=chances / chances.sum())
-            mixture = self._parameter_network(features, torch.from_numpy(label))
-            targets = best_means(mixture).numpy().astype(np.float64)
-        parameters = self._codec.parameters(targets, label, gripper_yaw(frame))[0]
-        name, own = self._space.names[label[0]], self._space.parameter_spaces[label[0]]
-        return PrimitiveCall(name, parameters[: len(own)])
+            first = None
+            while chances.any():
+                label = int(generator.choice(len(chances), p=chances / chances.sum()))
+                for call in self._calls(features, gripper_yaw(frame), label, generator):
+                    if feasible(call):
+                        return call
+                    first = first or call
+                chances[label] = 0.0
+        assert first is not None, "at least one primitive can start"
+        return first
+
+    def _calls(
+        self, features: Tensor, yaw: Floats, label: int, generator: np.random.Generator
+    ) -> Iterator[PrimitiveCall]:
+        """Yield calls of a primitive: the most likely one, then draws."""
+        labels = np.array([label])
+        mixture = self._parameter_network(features, torch.from_numpy(labels))
+        name, own = self._space.names[label], self._space.parameter_spaces[label]
+        for targets in (best_means(mixture), draw(mixture, DRAWS, generator)):
+            count = len(targets)
+            values = self._codec.parameters(
+                targets.numpy().astype(np.float64), labels.repeat(count), yaw.repeat(count)
+            )
+            for parameters in values:
+                yield PrimitiveCall(name, parameters[: len(own)])

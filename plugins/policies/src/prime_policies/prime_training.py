@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from prime_core.features import FeatureEncoder, gripper_yaw
 from prime_core.idm import PrimitiveSpace
@@ -14,7 +16,7 @@ from prime_core.policy import PolicyData
 from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
-from prime_policies.copies import fit_copies
+from prime_policies.copies import Features, fit_copies
 from prime_policies.examples import Source
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
@@ -66,11 +68,13 @@ def fit_policy(
 
     sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
     preparing.measure_inputs(parameter_network.trunk, _all_of(sources))
-    owners = torch.from_numpy(encoder.objects)
-    groups = [owners == number for number in range(len(description.objects))]
-    fit = partial(fit_copies, shared=owners < 0, groups=groups)
-    preparing.fit_lines(parameter_network, sources[0], space, fit)
+    blocks = _blocks(config.components, len(sources))
+    for source, components in zip(sources, blocks, strict=True):
+        fit = partial(fit_copies, features=_meanings(encoder), maximum=len(components) - 1)
+        preparing.fit_lines(parameter_network, source, space, fit, components)
+    parameter_network.active[blocks[0].stop :] = 0.0
     trainer.pretrain(PARAMETERS, parameter_network, sources)
+    parameter_network.active.fill_(1.0)
     # A checkpoint has a card once both its networks are there.
     complete = partial(write_card, card=card)
     trainer.finetune(PARAMETERS, parameter_network, sources, complete)
@@ -167,18 +171,38 @@ def _build(
     return classifier, parameter_network
 
 
-def _type_source(data: PolicyData, features: torch.Tensor) -> Source:
+def _type_source(data: PolicyData, features: Tensor) -> Source:
     return examples.classifier_source(
         features, data.type_frames, data.type_labels, data.type_weights
     )
 
 
-def _parameter_source(data: PolicyData, features: torch.Tensor, space: PrimitiveSpace) -> Source:
+def _parameter_source(data: PolicyData, features: Tensor, space: PrimitiveSpace) -> Source:
     yaws = gripper_yaw(data.frames)[data.parameter_frames]
     targets = ParameterCodec(space).targets(data.parameters, data.parameter_labels, yaws)
     return examples.parameter_source(
         features, data.parameter_frames, data.parameter_labels, targets, data.parameter_weights
     )
+
+
+def _blocks(components: int, sources: int) -> list[range]:
+    """Share components out among sources."""
+    edges = [components * number // sources for number in range(sources + 1)]
+    return [range(*edge) for edge in pairwise(edges)]
+
+
+def _meanings(encoder: FeatureEncoder) -> Features:
+    """Return which features lines may copy: where objects are, and angles from the gripper's yaw.
+
+    Not where the gripper is. Inside a segment it comes ever nearer to the target, and a policy
+    that copies it stays where it is.
+    """
+    names = [name.rpartition(".") for name in encoder.names]
+    copied = torch.tensor([part in ("x", "y", "z", "relative_yaw") for _, _, part in names])
+    owners = torch.from_numpy(encoder.objects)
+    objects = [copied & (owners == number) for number in range(len(encoder.held))]
+    yaw = torch.tensor([name == "gripper.yaw" for name in encoder.names])
+    return Features(yaw, objects, torch.from_numpy(encoder.held))
 
 
 def _all_of(sources: list[Source]) -> Source:
