@@ -1,0 +1,80 @@
+"""Trials of a policy, with primitives and an environment that are done at once."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from prime_core.environment import ACTION_LIMIT
+from prime_core.evaluation import run_trial
+from prime_core.policy import Policy
+from prime_core.primitive import Motion, Primitive
+from prime_core.primitive_calls import Array, Parameter, ParameterSpace, PrimitiveCall
+from prime_core.scene import Scene
+
+from .point_mass import SOLVED_HEIGHT, PointMass
+
+CEILING = SOLVED_HEIGHT + 0.1
+
+
+class Rise(Primitive):
+    """Goes to a height in steps of an action's length."""
+
+    name = "rise"
+    parameter_space = ParameterSpace((Parameter("z", "m", 0.0, 2.0),))
+    maximum_steps = 50
+
+    def can_start(self, scene: Scene) -> bool:
+        return scene.gripper_position[2] < CEILING
+
+    def propose(self, scene: Scene, generator: np.random.Generator) -> Array:
+        return self.parameter_space.sample(generator)
+
+    def reachable(self, scene: Scene, parameters: Array) -> bool:
+        return bool(parameters[0] < CEILING)
+
+    def motion(self, scene: Scene, parameters: Array) -> Motion:
+        while scene.gripper_position[2] < parameters[0]:
+            scene = yield np.array([0.0, 0.0, ACTION_LIMIT[2], 0.0, 0.0])
+
+    def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
+        return bool(scenes[-1].gripper_position[2] >= parameters[0])
+
+
+class Asks(Policy):
+    """Calls the first of some heights that is feasible, or the last one."""
+
+    def __init__(self, heights: Sequence[float]) -> None:
+        self.heights = heights
+
+    def act(
+        self,
+        scene: Scene,
+        startable: NDArray[np.bool_],
+        feasible: Callable[[PrimitiveCall], bool],
+        generator: np.random.Generator,
+    ) -> PrimitiveCall:
+        calls = [PrimitiveCall("rise", np.array([height])) for height in self.heights]
+        return next((call for call in calls if feasible(call)), calls[-1])
+
+
+def test_a_policy_is_told_what_is_feasible() -> None:
+    asks = Asks([CEILING + 0.1, SOLVED_HEIGHT + 0.05])
+    trial = run_trial(PointMass(), [Rise()], asks, np.random.default_rng(0), 100)
+    assert trial.success
+    assert [float(call.parameters[0]) for call in trial.calls] == [SOLVED_HEIGHT + 0.05]
+
+
+def test_what_is_not_feasible_may_be_called_all_the_same() -> None:
+    asks = Asks([CEILING + 0.1])
+    trial = run_trial(PointMass(), [Rise()], asks, np.random.default_rng(0), 100)
+    assert trial.success
+    assert trial.completed == (False,)  # It was stopped once the task was solved.
+
+
+@pytest.mark.parametrize("limit", [1, 3])
+def test_a_primitive_that_ends_at_once_costs_a_step(limit: int) -> None:
+    trial = run_trial(PointMass(), [Rise()], Asks([0.5]), np.random.default_rng(0), limit)
+    assert not trial.success
+    assert (trial.steps, len(trial.calls)) == (limit, limit)
