@@ -53,7 +53,7 @@ def test_what_hardly_varies_is_not_blown_up() -> None:
 def test_a_perceptron_that_says_nothing_true_is_not_trusted() -> None:
     network = build_parameter_network(NetworkSettings(hidden_sizes=(8,)), 5, False, SPACE)
     ours = source()
-    fit_lines(network, ours, SPACE, lambda *data: [fit_linear(*data)], range(5))
+    fit_lines(network, ours, SPACE, lambda *data: [fit_linear(*data[:3])], range(5))
     with torch.no_grad():
         network.head.bias.fill_(3.0)
     measure_trust(network, ours)

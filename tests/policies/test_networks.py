@@ -15,7 +15,8 @@ def trunk(pair: bool) -> Trunk:
 
 def parameter_network(pair: bool = True) -> ParameterNetwork:
     mask = torch.tensor([[True, True], [True, False]])
-    return ParameterNetwork(trunk(pair), 6, 3 * (1 + pair), mask, 5, minimum_deviation=1e-3)
+    periods, inputs = torch.zeros(2, 2), 3 * (1 + pair)
+    return ParameterNetwork(trunk(pair), 6, inputs, mask, periods, 5, minimum_deviation=1e-3)
 
 
 def frames(count: int, seen: int) -> torch.Tensor:

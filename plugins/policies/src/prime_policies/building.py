@@ -39,11 +39,13 @@ def build_parameter_network(
     settings: NetworkSettings, features: int, pair: bool, space: PrimitiveSpace
 ) -> ParameterNetwork:
     """Build a mixture of parameters given frames or pairs of frames."""
+    codec = ParameterCodec(space)
     return ParameterNetwork(
         Trunk(features, pair, settings.hidden_sizes, settings.input_noise),
         settings.hidden_sizes[-1],
         inputs=(1 + pair) * features,
-        mask=torch.from_numpy(ParameterCodec(space).mask),
+        mask=torch.from_numpy(codec.mask),
+        periods=torch.from_numpy(codec.periods),
         components=settings.components,
         minimum_deviation=settings.minimum_deviation,
     )

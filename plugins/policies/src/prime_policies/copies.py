@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi
 
 import torch
 from torch import Tensor
 
 from prime_policies.linear import MAXIMUM_ROWS, LinearFit, regress, thin
+from prime_policies.mixture import wrapped
 from prime_policies.threads import one_thread
 
 NEAR = 0.2  # standard deviations of an output: what is further from a line is far from it
@@ -33,7 +35,12 @@ class Features:
 
 
 def fit_copies(
-    inputs: Tensor, outputs: Tensor, units: Tensor, features: Features, maximum: int
+    inputs: Tensor,
+    outputs: Tensor,
+    units: Tensor,
+    periods: Tensor,
+    features: Features,
+    maximum: int,
 ) -> list[LinearFit]:
     """Fit outputs that are chosen, and do not follow from the inputs: copies and no more.
 
@@ -54,6 +61,7 @@ def fit_copies(
         outputs: ``(n, outputs)`` float64.
         units: How much an output changes where an input that is copied changes by one,
             ``(outputs,)``.
+        periods: By which outputs may differ and mean the same, ``(outputs,)``; 0 for none.
         features: What the inputs mean.
         maximum: Lines at most.
 
@@ -66,7 +74,7 @@ def fit_copies(
         parts = _by_what_is_held(inputs[:, features.held])
         lines = []
         for rows in parts[:maximum]:
-            copies = _Copies(inputs[rows], outputs[rows], units)
+            copies = _Copies(inputs[rows], outputs[rows], units, periods)
             lines += _gather(copies, features, max(1, maximum // len(parts)))
         return lines
 
@@ -148,10 +156,12 @@ class _Copies:
         inputs: ``(n, inputs)``.
         outputs: ``(n, outputs)``.
         units: ``(outputs,)``.
+        periods: ``(outputs,)``.
     """
 
-    def __init__(self, inputs: Tensor, outputs: Tensor, units: Tensor) -> None:
-        self._inputs, self._outputs, self._units = inputs, outputs, units
+    def __init__(self, inputs: Tensor, outputs: Tensor, units: Tensor, periods: Tensor) -> None:
+        self._inputs, self._outputs = inputs, outputs
+        self._units, self._periods = units, periods
         self._near = NEAR * outputs.std(dim=0, correction=0).clamp_min(1e-9)
 
     def nothing_near(self) -> tuple[Tensor, Tensor]:
@@ -161,8 +171,8 @@ class _Copies:
 
     def errors(self, fit: LinearFit) -> Tensor:
         """Return how far outputs are from a line, from 0 to 1: far, ``(n, outputs)``."""
-        errors = (self._outputs - self._inputs @ fit.weight.T - fit.bias).abs() / self._near
-        return errors.clamp_max(1.0)
+        errors = wrapped(self._outputs - self._inputs @ fit.weight.T - fit.bias, self._periods)
+        return (errors.abs() / self._near).clamp_max(1.0)
 
     def gathered(self, group: Tensor, rows: Tensor) -> LinearFit:
         """Return the line that has the most outputs, each for itself, near it.
@@ -177,10 +187,13 @@ class _Copies:
             rest = thin(self._differences(row, choices, rows), MAXIMUM_START_ROWS)
             if not len(rest):
                 break
-            rest = rest.sort(dim=0).values
+            count, period = len(rest), float(self._periods[row])
+            rest = wrapped(rest, self._periods[row]).sort(dim=0).values
+            if period:  # What gathers about the wrap gathers about one value.
+                rest = torch.cat((rest, rest + period))
             ends = torch.searchsorted(rest.T.contiguous(), (rest + 2 * near).T.contiguous())
             counts = ends.T - torch.arange(len(rest))[:, None]
-            most, first = counts.max(dim=0)
+            most, first = counts[:count].max(dim=0)
             best = int(most.argmax()) if most.max() > LEAST_SURPLUS * most[0] else 0
             fit.weight[row] = self._units[row] * choices[best]
             fit.bias[row] = rest[first[best] : first[best] + most[best], best].median()
@@ -194,22 +207,33 @@ class _Copies:
             rest = self._differences(row, choices, rows)
             if not len(rest):
                 return fit
+            rest = _about_one_value(rest, self._periods[row])
             means = (rest - rest.median(dim=0).values).abs().mean(dim=0)
             best = int(means.argmin()) if means.min() < (1 - LEAST_SAVING) * means[0] else 0
             fit.weight[row] = unit * choices[best]
         copied, inputs = fit.weight.any(dim=0), self._inputs[rows]
         for row, output in enumerate(self._outputs[rows].T):
             rest = output - inputs @ fit.weight[row]
+            rest = _about_one_value(rest[:, None], self._periods[row])[:, 0]
             slopes, fit.bias[row] = regress(inputs[:, copied], rest)
             fit.weight[row, copied] += slopes
             rest = output - inputs @ fit.weight[row] - fit.bias[row]
-            fit.spread[row] = rest.std(correction=0)
+            fit.spread[row] = wrapped(rest, self._periods[row]).std(correction=0)
         return fit
 
     def _differences(self, output: int, choices: Tensor, rows: Tensor) -> Tensor:
         """Return an output of some rows less each choice, ``(rows, choices)``."""
         copied = self._inputs[rows] @ choices.T
         return self._outputs[rows, output, None] - self._units[output] * copied
+
+
+def _about_one_value(values: Tensor, period: Tensor) -> Tensor:
+    """Return values ``(n, columns)`` less periods that bring each column about one value."""
+    if not period:
+        return values
+    angles = values * (2 * pi / period)
+    centre = torch.atan2(angles.sin().mean(dim=0), angles.cos().mean(dim=0)) * (period / (2 * pi))
+    return centre + wrapped(values - centre, period)
 
 
 def _choices(group: Tensor) -> Tensor:

@@ -16,17 +16,26 @@ class Mixture(NamedTuple):
         means: ``(n, K, D)``.
         deviations: Standard deviations, ``(n, K, D)``.
         mask: Which dimensions count, ``(n, D)``, 1 or 0.
+        periods: By which values may differ and mean the same, ``(n, D)``; 0 for none.
     """
 
     logits: Tensor
     means: Tensor
     deviations: Tensor
     mask: Tensor
+    periods: Tensor
+
+
+def wrapped(differences: Tensor, periods: Tensor) -> Tensor:
+    """Return differences the short way round, where there is a period and not 0."""
+    turns = (differences / torch.where(periods > 0, periods, torch.inf)).round()
+    return differences - periods * turns
 
 
 def log_density(mixture: Mixture, values: Tensor) -> Tensor:
     """Return the log density at values ``(n, D)``, ``(n,)``."""
-    standard = (values[:, None] - mixture.means) / mixture.deviations
+    differences = wrapped(values[:, None] - mixture.means, mixture.periods[:, None])
+    standard = differences / mixture.deviations
     terms = -0.5 * standard.square() - mixture.deviations.log() - 0.5 * log(2 * pi)
     components = (terms * mixture.mask[:, None]).sum(dim=-1)
     return torch.logsumexp(mixture.logits.log_softmax(dim=-1) + components, dim=-1)

@@ -99,8 +99,11 @@ def _parameter_source(features: torch.Tensor, data: PairData, space: PrimitiveSp
     )
 
 
-def _fit_line(inputs: Tensor, outputs: Tensor, units: Tensor) -> list[LinearFit]:
-    """Return one line: what happened tells the parameters, whichever object they are about."""
+def _fit_line(inputs: Tensor, outputs: Tensor, units: Tensor, periods: Tensor) -> list[LinearFit]:
+    """Return one line: what happened tells the parameters, whichever object they are about.
+
+    Angles are taken from where the gripper ends, and so near zero: their period does not matter.
+    """
     return [fit_linear(inputs, outputs, units)]
 
 

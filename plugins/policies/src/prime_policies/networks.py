@@ -139,6 +139,7 @@ class ParameterNetwork(nn.Module):
         hidden: Width of the trunk's last layer.
         inputs: Number of features of all frames seen at once.
         mask: Which parameters a primitive has, ``(primitives, D)`` bool.
+        periods: Of targets, ``(primitives, D)``; 0 for none.
         components: Of the mixture.
         minimum_deviation: Least standard deviation of a component, in targets.
     """
@@ -149,6 +150,7 @@ class ParameterNetwork(nn.Module):
     trust: Tensor
     active: Tensor
     mask: Tensor
+    periods: Tensor
 
     def __init__(
         self,
@@ -156,6 +158,7 @@ class ParameterNetwork(nn.Module):
         hidden: int,
         inputs: int,
         mask: Tensor,
+        periods: Tensor,
         components: int,
         minimum_deviation: float,
     ) -> None:
@@ -172,6 +175,7 @@ class ParameterNetwork(nn.Module):
         self.register_buffer("trust", torch.ones(primitives, width))
         self.register_buffer("active", torch.ones(components), persistent=False)
         self.register_buffer("mask", mask.float())
+        self.register_buffer("periods", periods.float(), persistent=False)
 
     def _start_head(self) -> None:
         """Start at the lines."""
@@ -242,4 +246,4 @@ class ParameterNetwork(nn.Module):
         deviations = spread * functional.softplus(outputs[:, :, 1 + width :])
         deviations = deviations + self.minimum_deviation
         logits = outputs[:, :, 0].masked_fill(self.active == 0, -torch.inf)
-        return Mixture(logits, means, deviations, self.mask[labels])
+        return Mixture(logits, means, deviations, self.mask[labels], self.periods[labels])

@@ -24,6 +24,7 @@ class ParameterCodec:
         mask: Which parameters a primitive has, ``(primitives, width)`` bool.
         units: How much a target changes where its parameter changes by one unit,
             ``(primitives, width)``.
+        periods: By which targets may differ and mean the same, ``(primitives, width)``; 0 for none.
     """
 
     def __init__(self, space: PrimitiveSpace) -> None:
@@ -35,6 +36,7 @@ class ParameterCodec:
             for place, item in enumerate(parameters.parameters):
                 self._add(primitive, place, item)
         self.units = 1 / self._half
+        self.periods = np.where(np.isfinite(self._period), self._period, 0.0) / self._half
 
     def _add(self, primitive: int, place: int, item: Parameter) -> None:
         entry = (primitive, place)

@@ -9,7 +9,7 @@ from torch import Tensor
 from prime_core.idm import PrimitiveSpace
 from prime_policies.examples import Source
 from prime_policies.linear import LinearFit
-from prime_policies.mixture import best_means
+from prime_policies.mixture import best_means, wrapped
 from prime_policies.networks import ParameterNetwork, Trunk
 from prime_policies.parameter_codec import ParameterCodec
 
@@ -20,9 +20,10 @@ LEAST_GAIN = 0.2  # share of the line's error that a trusted perceptron must sav
 ENOUGH_ROWS = 8  # left out, to say how far a perceptron is to be trusted
 TRUSTS = torch.linspace(0, 1, 9)
 
-type LineFitter = Callable[[Tensor, Tensor, Tensor], Sequence[LinearFit]]
-"""Fits lines to inputs ``(n, inputs)``, outputs ``(n, outputs)`` and units ``(outputs,)``: how much
-an output changes where an input that is copied changes by one. All are float64."""
+type LineFitter = Callable[[Tensor, Tensor, Tensor, Tensor], Sequence[LinearFit]]
+"""Fits lines to inputs ``(n, inputs)``, outputs ``(n, outputs)``, units ``(outputs,)``: how much an
+output changes where an input that is copied changes by one, and periods ``(outputs,)``: by which
+outputs may differ and mean the same, 0 for none. All are float64."""
 
 
 def measure_inputs(trunk: Trunk, source: Source) -> None:
@@ -57,14 +58,16 @@ def fit_lines(
         fit: Of each primitive.
         components: Which get the lines.
     """
-    units = torch.from_numpy(ParameterCodec(space).units)
+    codec = ParameterCodec(space)
+    units, periods = torch.from_numpy(codec.units), torch.from_numpy(codec.periods)
     for primitive, parameters in enumerate(space.parameter_spaces):
         rows = torch.nonzero(source.labels == primitive)[:, 0]
         if not len(rows):
             continue
         batch, own = source.batch(rows), slice(len(parameters))
         inputs, outputs = batch.frames.flatten(1).double(), batch.targets[:, own].double()
-        network.set_lines(primitive, fit(inputs, outputs, units[primitive, own]), components)
+        scales = units[primitive, own], periods[primitive, own]
+        network.set_lines(primitive, fit(inputs, outputs, *scales), components)
 
 
 def measure_trust(network: ParameterNetwork, left_out: Source) -> None:
@@ -86,7 +89,8 @@ def measure_trust(network: ParameterNetwork, left_out: Source) -> None:
             frames, labels, targets = left_out.batch(rows)
             lines = best_means(network.mixture(frames, labels, nothing))
             corrections = best_means(network.mixture(frames, labels, everything)) - lines
-            errors = (targets - lines - TRUSTS[:, None, None] * corrections).abs()
+            errors = targets - lines - TRUSTS[:, None, None] * corrections
+            errors = wrapped(errors, network.periods[primitive]).abs()
             medians = errors.median(dim=1).values
             best, least = medians.argmin(dim=0), medians.min(dim=0).values
             # A small gain on a few rows is chance.

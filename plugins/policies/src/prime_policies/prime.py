@@ -28,7 +28,7 @@ class PrimePolicyConfig(PolicyConfig, NetworkSettings):
     """Epochs of each network on the demonstrations; a checkpoint is kept after each."""
     finetuning_steps_per_epoch: int = Field(200, ge=1)
     """Steps of an epoch on the demonstrations."""
-    finetuning_learning_rate: float = Field(3e-4, gt=0)
+    finetuning_learning_rate: float = Field(1e-3, gt=0)
     """Of Adam after pretraining; without pretraining it is `learning_rate`."""
     rollout_share: float = Field(0.0, ge=0, lt=1)
     """Share of rollouts in the batches of fine-tuning, against forgetting them."""
