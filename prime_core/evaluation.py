@@ -13,7 +13,11 @@ from prime_core.execution import OnStep, run_primitive
 from prime_core.policy import Policy
 from prime_core.primitive import Primitive
 from prime_core.primitive_calls import PrimitiveCall
+from prime_core.rotations import wrap_angle
 from prime_core.scene import Scene
+
+STILL = 0.01  # [m] that things and the gripper may be elsewhere and nothing has changed
+STILL_TURN = 0.1  # [rad] that the gripper may have turned
 
 
 class EvaluationConfig(Config):
@@ -58,6 +62,9 @@ def run_trial(
 ) -> Trial:
     """Reset the environment and let the policy act until the task is solved.
 
+    A primitive whose call changed nothing is not offered again until something has changed: the
+    same scene would lead to much the same call, for ever.
+
     Args:
         environment: Where.
         primitives: What the policy chooses from, in the order of its primitive space.
@@ -74,11 +81,14 @@ def run_trial(
     calls: list[PrimitiveCall] = []
     completed: list[bool] = []
     steps, solved = 0, False
+    idle: set[str] = set()
     while steps < maximum_steps and not solved:
         scene = environment.scene()
         startable = np.array([item.can_start(scene) for item in primitives])
         if not startable.any():
             break
+        busy = startable & [item.name not in idle for item in primitives]
+        startable = busy if busy.any() else startable
         feasible = partial(_is_feasible, by_name, scene)
         call = policy.act(scene, startable, feasible, generator)
         primitive = by_name[call.primitive]
@@ -93,6 +103,10 @@ def run_trial(
         calls.append(call)
         completed.append(primitive.succeeded(execution.scenes, call.parameters))
         solved = execution.solved
+        if _has_changed(scene, execution.scenes[-1]):
+            idle.clear()
+        else:
+            idle.add(call.primitive)
         # A primitive that ends at once still costs a step, or a policy could go on for ever.
         steps += max(execution.steps, 1)
     return Trial(solved, steps, tuple(calls), tuple(completed))
@@ -100,3 +114,17 @@ def run_trial(
 
 def _is_feasible(primitives: Mapping[str, Primitive], scene: Scene, call: PrimitiveCall) -> bool:
     return primitives[call.primitive].reachable(scene, call.parameters)
+
+
+def _has_changed(before: Scene, after: Scene) -> bool:
+    """Whether something was taken or let go of, or the gripper or an object is elsewhere."""
+    if before.held != after.held:
+        return True
+    moves = np.vstack(
+        (
+            after.object_positions - before.object_positions,
+            after.gripper_position - before.gripper_position,
+        )
+    )
+    turn = wrap_angle(after.gripper_yaw - before.gripper_yaw)
+    return bool(np.linalg.norm(moves, axis=1).max() > STILL or abs(turn) > STILL_TURN)

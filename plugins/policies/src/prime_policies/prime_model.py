@@ -7,9 +7,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from prime_core.features import FeatureEncoder, gripper_yaw
+from prime_core.features import FeatureEncoder
 from prime_core.frames import Frames
-from prime_core.idm import Floats, PrimitiveSpace
+from prime_core.idm import PrimitiveSpace
 from prime_core.policy import Policy
 from prime_core.primitive_calls import PrimitiveCall
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene, SceneDescription
@@ -17,6 +17,7 @@ from prime_policies.mixture import best_means, draw
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.threads import one_thread
+from prime_policies.turned_calls import turned_calls
 
 DRAWS = 50  # of parameters, where the most likely ones are not feasible
 
@@ -55,9 +56,9 @@ class PrimePolicy(Policy):
 
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
         for ever where it changes nothing. Its parameters are the mean of the mixture's weightiest
-        component or, where that is not feasible, the likeliest of some draws from the mixture that
-        is. Where none is, another primitive is drawn; where no primitive has one, the first mean
-        is returned.
+        component or, where that is not feasible, the same turned to another good yaw of the object,
+        or the likeliest of some draws from the mixture that is. Where none is, another primitive
+        is drawn; where no primitive has one, the first mean is returned.
         """
         observation = scene.observation()
         frame = Frames(observation[STATE_KEY][None], observation[ENVIRONMENT_STATE_KEY][None])
@@ -68,7 +69,7 @@ class PrimePolicy(Policy):
             first = None
             while chances.any():
                 label = int(generator.choice(len(chances), p=chances / chances.sum()))
-                for call in self._calls(features, gripper_yaw(frame), label, generator):
+                for call in self._calls(scene, features, label, generator):
                     if feasible(call):
                         return call
                     first = first or call
@@ -77,10 +78,10 @@ class PrimePolicy(Policy):
         return first
 
     def _calls(
-        self, features: Tensor, yaw: Floats, label: int, generator: np.random.Generator
+        self, scene: Scene, features: Tensor, label: int, generator: np.random.Generator
     ) -> Iterator[PrimitiveCall]:
-        """Yield calls of a primitive: the most likely one, then draws."""
-        labels = np.array([label])
+        """Yield calls of a primitive: the most likely one, then draws, each also turned."""
+        labels, yaw = np.array([label]), np.array([scene.gripper_yaw])
         mixture = self._parameter_network(features, torch.from_numpy(labels))
         name, own = self._space.names[label], self._space.parameter_spaces[label]
         for targets in (best_means(mixture), draw(mixture, DRAWS, generator)):
@@ -89,4 +90,6 @@ class PrimePolicy(Policy):
                 targets.numpy().astype(np.float64), labels.repeat(count), yaw.repeat(count)
             )
             for parameters in values:
-                yield PrimitiveCall(name, parameters[: len(own)])
+                call = PrimitiveCall(name, parameters[: len(own)])
+                yield call
+                yield from turned_calls(call, own, scene)

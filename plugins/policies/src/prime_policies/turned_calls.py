@@ -1,0 +1,57 @@
+"""Calls that are as good as another one: the gripper turned to another good yaw of an object."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from prime_core.idm import Floats
+from prime_core.primitive_calls import ParameterSpace, PrimitiveCall
+from prime_core.rotations import wrap_angle, yaw_of
+from prime_core.scene import Affordance, Scene
+
+NEAR = 0.05  # [m] from an object in the plane, for a call to be about it
+
+
+def turned_calls(
+    call: PrimitiveCall, space: ParameterSpace, scene: Scene
+) -> Iterator[PrimitiveCall]:
+    """Yield a call at the other yaws that its affordance says are good, if it has any.
+
+    A box that is gripped along x next to a wall may be out of the hand's way along y.
+
+    Args:
+        call: Has parameters x and y [m] and a yaw [rad], or nothing is yielded.
+        space: Of its parameters.
+        scene: The scene now.
+    """
+    names = [item.name for item in space.parameters]
+    if not {"x", "y", "yaw"} <= set(names):
+        return
+    place = call.parameters[[names.index("x"), names.index("y")]]
+    affordance = _nearest(call.primitive, place, scene)
+    if affordance is None or affordance.yaws is None or affordance.reference is None:
+        return
+    index = names.index("yaw")
+    period = space.parameters[index].period or 2 * np.pi
+    base = yaw_of(scene.object_quaternions[scene.object_index(affordance.reference)])
+    turns = wrap_angle(np.array(affordance.yaws) + base - call.parameters[index], period)
+    own = turns[np.argmin(np.abs(turns))]
+    for turn in turns[turns != own] - own:
+        parameters = call.parameters.copy()
+        middle = (space.low[index] + space.high[index]) / 2
+        parameters[index] = middle + wrap_angle(parameters[index] + turn - middle, period)
+        if space.contains(parameters):
+            yield PrimitiveCall(call.primitive, parameters)
+
+
+def _nearest(action: str, place: Floats, scene: Scene) -> Affordance | None:
+    """Return the affordance of the object next to a place ``(2,)``, if one is."""
+    best, least = None, NEAR
+    for item in scene.description.affordances_for(action):
+        if item.reference is None or item.of_held:
+            continue
+        centre = scene.object_positions[scene.object_index(item.reference), :2]
+        distance = float(np.linalg.norm(centre - place))
+        if distance < least:
+            best, least = item, distance
+    return best
