@@ -45,8 +45,8 @@ class Rise(Primitive):
 class Asks(Policy):
     """Calls the first of some heights that is feasible, or the last one."""
 
-    def __init__(self, heights: Sequence[float]) -> None:
-        self.heights = heights
+    def __init__(self, heights: Sequence[float], name: str = "rise") -> None:
+        self.heights, self.name = heights, name
 
     def act(
         self,
@@ -55,7 +55,7 @@ class Asks(Policy):
         feasible: Callable[[PrimitiveCall], bool],
         generator: np.random.Generator,
     ) -> PrimitiveCall:
-        calls = [PrimitiveCall("rise", np.array([height])) for height in self.heights]
+        calls = [PrimitiveCall(self.name, np.array([height])) for height in self.heights]
         return next((call for call in calls if feasible(call)), calls[-1])
 
 
@@ -71,6 +71,41 @@ def test_what_is_not_feasible_may_be_called_all_the_same() -> None:
     trial = run_trial(PointMass(), [Rise()], asks, np.random.default_rng(0), 100)
     assert trial.success
     assert trial.completed == (False,)  # It was stopped once the task was solved.
+
+
+class Stay(Rise):
+    """Does nothing."""
+
+    name = "stay"
+
+    def motion(self, scene: Scene, parameters: Array) -> Motion:
+        return
+        yield
+
+
+class Prefers(Policy):
+    """Calls the last primitive that it is offered."""
+
+    def act(
+        self,
+        scene: Scene,
+        startable: NDArray[np.bool_],
+        feasible: Callable[[PrimitiveCall], bool],
+        generator: np.random.Generator,
+    ) -> PrimitiveCall:
+        name = ("rise", "stay")[int(np.flatnonzero(startable)[-1])]
+        return PrimitiveCall(name, scene.gripper_position[2:] + 0.08)
+
+
+def test_what_changed_nothing_is_not_offered_again_until_something_has_changed() -> None:
+    trial = run_trial(PointMass(), [Rise(), Stay()], Prefers(), np.random.default_rng(0), 100)
+    assert trial.success
+    assert [call.primitive for call in trial.calls] == ["stay", "rise", "stay", "rise"]
+
+
+def test_what_changed_nothing_is_offered_where_there_is_nothing_else() -> None:
+    trial = run_trial(PointMass(), [Stay()], Asks([0.5], "stay"), np.random.default_rng(0), 5)
+    assert [call.primitive for call in trial.calls] == ["stay"] * 5
 
 
 @pytest.mark.parametrize("limit", [1, 3])

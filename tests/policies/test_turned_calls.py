@@ -1,0 +1,66 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall
+from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Affordance, Scene
+from prime_policies.turned_calls import turned_calls
+
+from .toy_world import DESCRIPTION, SPACE, demonstrations
+
+POSE = SPACE.parameter_spaces[1]
+HERE = (0.0, 0.0, 0.0)
+
+
+def scene_with(*affordances: Affordance) -> Scene:
+    frames = demonstrations(seed=0, episodes=1).frames()
+    observation = {
+        STATE_KEY: frames.state[0],
+        ENVIRONMENT_STATE_KEY: frames.environment_state[0],
+    }
+    return replace(DESCRIPTION, affordances=affordances).scene(observation)
+
+
+def grasp(scene: Scene, yaw: float, beside: float = 0.01) -> PrimitiveCall:
+    x, y, z = scene.object_positions[0]
+    return PrimitiveCall("grasp", np.array([x + beside, y, z, yaw]))
+
+
+def test_a_call_is_turned_to_the_other_good_yaws() -> None:
+    scene = scene_with(Affordance("grasp", "carton", HERE, HERE, yaws=(0.0, np.pi / 2)))
+    call = grasp(scene, 0.1)
+    (turned,) = turned_calls(call, POSE, scene)
+    assert turned.primitive == "grasp"
+    assert np.array_equal(turned.parameters[:3], call.parameters[:3])
+    assert abs(turned.parameters[3]) == pytest.approx(np.pi / 2 - 0.1)
+    (back,) = turned_calls(turned, POSE, scene)
+    assert back.parameters[3] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    "affordances",
+    [
+        (),
+        (Affordance("grasp", "carton", HERE, HERE, yaws=(0.0,)),),
+        (Affordance("grasp", "carton", HERE, HERE),),
+        (Affordance("place", "carton", HERE, HERE, yaws=(0.0, np.pi / 2)),),
+        (Affordance("grasp", None, HERE, HERE, yaws=(0.0, np.pi / 2)),),
+    ],
+)
+def test_without_another_good_yaw_there_is_no_other_call(
+    affordances: tuple[Affordance, ...],
+) -> None:
+    scene = scene_with(*affordances)
+    assert not list(turned_calls(grasp(scene, 0.1), POSE, scene))
+
+
+def test_a_call_far_from_all_objects_is_about_none() -> None:
+    scene = scene_with(Affordance("grasp", "carton", HERE, HERE, yaws=(0.0, np.pi / 2)))
+    assert not list(turned_calls(grasp(scene, 0.1, beside=0.06), POSE, scene))
+
+
+def test_a_call_without_a_yaw_is_not_turned() -> None:
+    scene = scene_with(Affordance("grasp", "carton", HERE, HERE, yaws=(0.0, np.pi / 2)))
+    space = ParameterSpace((Parameter("x", "m", -1.0, 1.0),))
+    assert not list(turned_calls(PrimitiveCall("grasp", np.zeros(1)), space, scene))
