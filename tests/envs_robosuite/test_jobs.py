@@ -43,7 +43,7 @@ def perform(
 ) -> list[Scene]:
     """Let a person do jobs; return the scenes that they saw."""
     environment.reset(seed=seed)
-    person = people.draw_person(jobs, np.random.default_rng(seed))
+    person = people.draw_person(jobs, environment.scene(), np.random.default_rng(seed))
     scenes = [environment.scene()]
     doing = person.perform(scenes[0])
     action = next(doing, None)

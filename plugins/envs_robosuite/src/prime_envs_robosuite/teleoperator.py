@@ -9,7 +9,9 @@ from pydantic import AfterValidator, Field, PositiveInt
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
+from prime_core.scene import Scene
 from prime_envs_robosuite.jobs import Job, in_opposite_order
+from prime_envs_robosuite.teleoperator_choices import are_apart
 from prime_envs_robosuite.teleoperator_motion import Style
 from prime_envs_robosuite.teleoperator_person import Person, stands
 
@@ -98,7 +100,8 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     """Share of grasps at another yaw than the nearest that the object's symmetry allows."""
 
     other_order_share: float = Field(0.0, ge=0, le=1)
-    """Share of demonstrations in which the things to take are taken in the opposite order."""
+    """Share of demonstrations in which the things to take are taken in the opposite order, if they
+    lie so far from each other that none is knocked over."""
 
     steps: tuple[PositiveInt, PositiveInt] = (150, 500)
     """Least and greatest number of motor actions."""
@@ -131,14 +134,16 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
             "steps, or narrow the ranges"
         )
 
-    def draw_person(self, jobs: Sequence[Job], generator: np.random.Generator) -> Person:
-        """Draw who does jobs, and how."""
+    def draw_person(
+        self, jobs: Sequence[Job], scene: Scene, generator: np.random.Generator
+    ) -> Person:
+        """Draw who does jobs, how, and in which order."""
         drawn = {name: float(generator.uniform(*getattr(self, name))) for name in MOTION}
         misses = bool(generator.random() < self.miss_share)
         # Drawn aside: settings that came later leave earlier people as they were.
         aside = generator.spawn(1)[0]
         drawn |= {name: float(aside.uniform(*getattr(self, name))) for name in HABITS}
-        if aside.random() < self.other_order_share:
+        if aside.random() < self.other_order_share and are_apart(scene, jobs):
             jobs = in_opposite_order(jobs)
         return Person(jobs, Style(**drawn), misses, self.other_yaw_share, generator)
 
@@ -154,7 +159,7 @@ def _show(
     environment.reset(seed=int(generator.integers(2**31)))
     recorder = Recorder(environment)
     jobs = environment.task.jobs()
-    person = config.draw_person(jobs, generator)
+    person = config.draw_person(jobs, environment.scene(), generator)
     least, most = config.steps
     doing = person.perform(environment.scene())
     action = next(doing, None)

@@ -1,16 +1,20 @@
 """Where a simulated person chooses to take an object, and where to put it."""
 
+from collections.abc import Sequence
+from itertools import combinations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from prime_core.rotations import wrap_angle, yaw_of
 from prime_core.scene import Affordance, Scene
-from prime_envs_robosuite.jobs import Bounds, PutInto, PutOnto, Reach, Taking
+from prime_envs_robosuite.jobs import Bounds, Job, PutInto, PutOnto, Reach, Taking
 
 Array = NDArray[np.float64]
 
 HAND_HALF_SIZE = np.array([0.034, 0.106])  # of the Panda's hand along the gripper's x and y [m]
 HAND_BOTTOM = 0.02  # above the point between the fingertips [m]
+APART = 0.1  # between the centres of things of which either can be taken first [m]
 SPOTS = 1000  # that are looked at for one where the hand has room
 GREATEST_YAW = 1.4  # of the gripper [rad]; the arm's last joint ends beyond a quarter turn
 
@@ -94,6 +98,13 @@ def choose_yaw(scene: Scene, job: PutOnto, draw: np.random.Generator) -> float:
     spots = np.array([bringing(scene, job.object_name, point, float(yaw))[:2] for yaw in yaws])
     good, distances = _within(spots, job.reach)
     return float(yaws[np.argmax(good) if good.any() else np.argmin(distances)])
+
+
+def are_apart(scene: Scene, jobs: Sequence[Job]) -> bool:
+    """Whether a hand can take any of the things that jobs take and not touch the others."""
+    names = [job.object_name for job in jobs if isinstance(job, Taking)]
+    places = [scene.object_positions[scene.object_index(name), :2] for name in names]
+    return all(np.linalg.norm(a - b) > APART for a, b in combinations(places, 2))
 
 
 def goal_point(scene: Scene, job: PutOnto) -> Array:
