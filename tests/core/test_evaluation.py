@@ -42,11 +42,14 @@ class Rise(Primitive):
         return bool(scenes[-1].gripper_position[2] >= parameters[0])
 
 
-class Asks(Policy):
-    """Calls the first of some heights that is feasible, or the last one."""
+type Choice = Callable[[Scene, NDArray[np.bool_], Callable[[PrimitiveCall], bool]], PrimitiveCall]
 
-    def __init__(self, heights: Sequence[float], name: str = "rise") -> None:
-        self.heights, self.name = heights, name
+
+class Chooses(Policy):
+    """Calls what a function says."""
+
+    def __init__(self, choice: Choice) -> None:
+        self.choice = choice
 
     def act(
         self,
@@ -55,20 +58,25 @@ class Asks(Policy):
         feasible: Callable[[PrimitiveCall], bool],
         generator: np.random.Generator,
     ) -> PrimitiveCall:
-        calls = [PrimitiveCall(self.name, np.array([height])) for height in self.heights]
-        return next((call for call in calls if feasible(call)), calls[-1])
+        return self.choice(scene, startable, feasible)
+
+
+def asks(heights: Sequence[float], name: str = "rise") -> Policy:
+    """Return a policy that calls the first of some heights that is feasible, or the last one."""
+    calls = [PrimitiveCall(name, np.array([height])) for height in heights]
+    return Chooses(lambda scene, startable, feasible: next(filter(feasible, calls), calls[-1]))
 
 
 def test_a_policy_is_told_what_is_feasible() -> None:
-    asks = Asks([CEILING + 0.1, SOLVED_HEIGHT + 0.05])
-    trial = run_trial(PointMass(), [Rise()], asks, np.random.default_rng(0), 100)
+    policy = asks([CEILING + 0.1, SOLVED_HEIGHT + 0.05])
+    trial = run_trial(PointMass(), [Rise()], policy, np.random.default_rng(0), 100)
     assert trial.success
     assert [float(call.parameters[0]) for call in trial.calls] == [SOLVED_HEIGHT + 0.05]
 
 
 def test_what_is_not_feasible_may_be_called_all_the_same() -> None:
-    asks = Asks([CEILING + 0.1])
-    trial = run_trial(PointMass(), [Rise()], asks, np.random.default_rng(0), 100)
+    policy = asks([CEILING + 0.1])
+    trial = run_trial(PointMass(), [Rise()], policy, np.random.default_rng(0), 100)
     assert trial.success
     assert trial.completed == (False,)  # It was stopped once the task was solved.
 
@@ -83,33 +91,27 @@ class Stay(Rise):
         yield
 
 
-class Prefers(Policy):
-    """Calls the last primitive that it is offered."""
-
-    def act(
-        self,
-        scene: Scene,
-        startable: NDArray[np.bool_],
-        feasible: Callable[[PrimitiveCall], bool],
-        generator: np.random.Generator,
-    ) -> PrimitiveCall:
-        name = ("rise", "stay")[int(np.flatnonzero(startable)[-1])]
-        return PrimitiveCall(name, scene.gripper_position[2:] + 0.08)
+def prefer_the_last(
+    scene: Scene, startable: NDArray[np.bool_], feasible: Callable[[PrimitiveCall], bool]
+) -> PrimitiveCall:
+    name = ("rise", "stay")[int(np.flatnonzero(startable)[-1])]
+    return PrimitiveCall(name, scene.gripper_position[2:] + 0.08)
 
 
 def test_what_changed_nothing_is_not_offered_again_until_something_has_changed() -> None:
-    trial = run_trial(PointMass(), [Rise(), Stay()], Prefers(), np.random.default_rng(0), 100)
+    policy = Chooses(prefer_the_last)
+    trial = run_trial(PointMass(), [Rise(), Stay()], policy, np.random.default_rng(0), 100)
     assert trial.success
     assert [call.primitive for call in trial.calls] == ["stay", "rise", "stay", "rise"]
 
 
 def test_what_changed_nothing_is_offered_where_there_is_nothing_else() -> None:
-    trial = run_trial(PointMass(), [Stay()], Asks([0.5], "stay"), np.random.default_rng(0), 5)
+    trial = run_trial(PointMass(), [Stay()], asks([0.5], "stay"), np.random.default_rng(0), 5)
     assert [call.primitive for call in trial.calls] == ["stay"] * 5
 
 
 @pytest.mark.parametrize("limit", [1, 3])
 def test_a_primitive_that_ends_at_once_costs_a_step(limit: int) -> None:
-    trial = run_trial(PointMass(), [Rise()], Asks([0.5]), np.random.default_rng(0), limit)
+    trial = run_trial(PointMass(), [Rise()], asks([0.5]), np.random.default_rng(0), limit)
     assert not trial.success
     assert (trial.steps, len(trial.calls)) == (limit, limit)

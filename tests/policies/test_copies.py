@@ -2,7 +2,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from prime_policies.copies import Features, fit_copies
+from prime_policies.copies import CopiedFeatures, fit_copies
 
 UNITS = torch.tensor([2.0], dtype=torch.float64)
 NONE = torch.zeros(1, dtype=torch.float64)
@@ -19,8 +19,8 @@ def group(columns: int, *members: int) -> Tensor:
     return result
 
 
-def features(shared: Tensor, *objects: Tensor, held: tuple[int, ...] = ()) -> Features:
-    return Features(shared, objects, torch.tensor(held, dtype=torch.int64))
+def features(shared: Tensor, *objects: Tensor, held: tuple[int, ...] = ()) -> CopiedFeatures:
+    return CopiedFeatures(shared, objects, torch.tensor(held, dtype=torch.int64))
 
 
 def test_what_is_chosen_freely_is_a_copy_and_no_more() -> None:

@@ -20,8 +20,8 @@ MAXIMUM_START_ROWS = 2_000  # enough to see which features outputs gather about
 
 
 @dataclass(frozen=True, eq=False)
-class Features:
-    """What inputs mean.
+class CopiedFeatures:
+    """Which features lines may copy, and what they are about.
 
     Attributes:
         shared: Which any line may copy, ``(inputs,)`` bool.
@@ -39,7 +39,7 @@ def fit_copies(
     outputs: Tensor,
     units: Tensor,
     periods: Tensor,
-    features: Features,
+    features: CopiedFeatures,
     maximum: int,
 ) -> list[LinearFit]:
     """Fit outputs that are chosen, and do not follow from the inputs: copies and no more.
@@ -47,14 +47,15 @@ def fit_copies(
     A grasp goes to one box or to another: no one feature tells where. So there are lines for
     several objects, as far as outputs gather about their features. An object has several where it
     is gripped now this way, now that. Each thing that may be held has its own lines too, for where
-    a thing is put depends on what it is. A line gives each output as one
-    feature (or less one feature) plus a constant, or as the constant alone, whichever has the
-    smallest mean error over the rows that the line is nearest to. The median would hide that a
-    copy is far off in a part of them. The few features that some output of a line copies may then
-    correct all of its outputs: a push starts the further aside, the further an object is from
-    where it has to go. A regression on all features finds coincidences among few demonstrations,
-    such as a tilt of the object by a hundredth of a degree, and takes them far outside of what was
-    demonstrated.
+    a thing is put depends on what it is.
+
+    A line gives each output as one feature (or less one feature) plus a constant, or as the
+    constant alone, whichever has the smallest mean error over the rows that the line is nearest
+    to. The median would hide that a copy is far off in a part of them. The few features that some
+    output of a line copies may then correct all of its outputs: a push starts the further aside,
+    the further an object is from where it has to go. A regression on all features finds
+    coincidences among few demonstrations, such as a tilt of the object by a hundredth of a degree,
+    and takes them far outside of what was demonstrated.
 
     Args:
         inputs: ``(n, inputs)`` float64, in their units.
@@ -91,7 +92,7 @@ def _by_what_is_held(held: Tensor) -> list[Tensor]:
     return [which == values[i] for i in order if counts[i] >= LEAST_SHARE * len(which)]
 
 
-def _gather(copies: "_Copies", features: Features, maximum: int) -> list[LinearFit]:
+def _gather(copies: "_Copies", features: CopiedFeatures, maximum: int) -> list[LinearFit]:
     """Return the lines that outputs gather about, the one with the most first."""
     objects = features.objects or [torch.zeros_like(features.shared)]
     chosen: list[Tensor] = []
@@ -124,7 +125,7 @@ def _is_about(fit: LinearFit, item: Tensor) -> bool:
 
 
 def _refitted(
-    copies: "_Copies", features: Features, chosen: list[Tensor], errors: list[Tensor]
+    copies: "_Copies", features: CopiedFeatures, chosen: list[Tensor], errors: list[Tensor]
 ) -> list[LinearFit]:
     """Return the lines of chosen objects, fitted to the rows nearest to each.
 
@@ -182,11 +183,13 @@ class _Copies:
             rows: Which rows count, ``(n,)`` bool.
         """
         fit = LinearFit.zero(self._inputs, self._outputs)
+        if not rows.any():
+            return fit
         choices = _choices(group)
+        outputs = thin(self._outputs[rows], MAXIMUM_START_ROWS)
+        copied = thin(self._inputs[rows], MAXIMUM_START_ROWS) @ choices.T
         for row, near in enumerate(self._near):
-            rest = thin(self._differences(row, choices, rows), MAXIMUM_START_ROWS)
-            if not len(rest):
-                break
+            rest = outputs[:, row, None] - self._units[row] * copied
             count, period = len(rest), float(self._periods[row])
             rest = wrapped(rest, self._periods[row]).sort(dim=0).values
             if period:  # What gathers about the wrap gathers about one value.
@@ -202,17 +205,18 @@ class _Copies:
     def fitted(self, group: Tensor, rows: Tensor) -> LinearFit:
         """Return the line with the smallest mean error; see `gathered`."""
         fit = LinearFit.zero(self._inputs, self._outputs)
+        if not rows.any():
+            return fit
         choices = _choices(group)
+        inputs, outputs = self._inputs[rows], self._outputs[rows]
+        choosable = inputs @ choices.T
         for row, unit in enumerate(self._units):
-            rest = self._differences(row, choices, rows)
-            if not len(rest):
-                return fit
-            rest = _about_one_value(rest, self._periods[row])
+            rest = _about_one_value(outputs[:, row, None] - unit * choosable, self._periods[row])
             means = (rest - rest.median(dim=0).values).abs().mean(dim=0)
             best = int(means.argmin()) if means.min() < (1 - LEAST_SAVING) * means[0] else 0
             fit.weight[row] = unit * choices[best]
-        copied, inputs = fit.weight.any(dim=0), self._inputs[rows]
-        for row, output in enumerate(self._outputs[rows].T):
+        copied = fit.weight.any(dim=0)
+        for row, output in enumerate(outputs.T):
             rest = output - inputs @ fit.weight[row]
             rest = _about_one_value(rest[:, None], self._periods[row])[:, 0]
             slopes, fit.bias[row] = regress(inputs[:, copied], rest)
@@ -220,11 +224,6 @@ class _Copies:
             rest = output - inputs @ fit.weight[row] - fit.bias[row]
             fit.spread[row] = wrapped(rest, self._periods[row]).std(correction=0)
         return fit
-
-    def _differences(self, output: int, choices: Tensor, rows: Tensor) -> Tensor:
-        """Return an output of some rows less each choice, ``(rows, choices)``."""
-        copied = self._inputs[rows] @ choices.T
-        return self._outputs[rows, output, None] - self._units[output] * copied
 
 
 def _about_one_value(values: Tensor, period: Tensor) -> Tensor:

@@ -16,7 +16,7 @@ from prime_core.policy import PolicyData
 from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
-from prime_policies.copies import Features, fit_copies
+from prime_policies.copies import CopiedFeatures, fit_copies
 from prime_policies.examples import Source
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
@@ -68,9 +68,10 @@ def fit_policy(
 
     sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
     preparing.measure_inputs(parameter_network.trunk, _all_of(sources))
-    blocks = _blocks(config.components, len(sources))
+    blocks, copied = _blocks(config.components, len(sources)), _copied_features(encoder)
     for source, components in zip(sources, blocks, strict=True):
-        fit = partial(fit_copies, features=_meanings(encoder), maximum=len(components) - 1)
+        # One component is left for outliers: the first line again, wider.
+        fit = partial(fit_copies, features=copied, maximum=len(components) - 1)
         preparing.fit_lines(parameter_network, source, space, fit, components)
     parameter_network.active[blocks[0].stop :] = 0.0
     trainer.pretrain(PARAMETERS, parameter_network, sources)
@@ -191,7 +192,7 @@ def _blocks(components: int, sources: int) -> list[range]:
     return [range(*edge) for edge in pairwise(edges)]
 
 
-def _meanings(encoder: FeatureEncoder) -> Features:
+def _copied_features(encoder: FeatureEncoder) -> CopiedFeatures:
     """Return which features lines may copy: where objects are, and angles from the gripper's yaw.
 
     Not where the gripper is. Inside a segment it comes ever nearer to the target, and a policy
@@ -202,7 +203,7 @@ def _meanings(encoder: FeatureEncoder) -> Features:
     owners = torch.from_numpy(encoder.objects)
     objects = [copied & (owners == number) for number in range(len(encoder.held))]
     yaw = torch.tensor([name == "gripper.yaw" for name in encoder.names])
-    return Features(yaw, objects, torch.from_numpy(encoder.held))
+    return CopiedFeatures(yaw, objects, torch.from_numpy(encoder.held))
 
 
 def _all_of(sources: list[Source]) -> Source:
