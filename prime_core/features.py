@@ -4,6 +4,7 @@ What looks the same has the same features: a parallel-jaw gripper turned by half
 object turned by one of the angles that its symmetry declares.
 """
 
+from dataclasses import dataclass
 from math import lcm
 
 import numpy as np
@@ -17,6 +18,21 @@ Array = NDArray[np.float64]
 
 GRIPPER_SYMMETRY = 2  # parallel jaws look the same after half a turn
 BLOCK = 65536  # frames encoded at a time, which bounds the memory
+
+
+@dataclass(frozen=True)
+class ObjectFeatures:
+    """The numbers of some features of an object.
+
+    Attributes:
+        position: Of x, y and z [m].
+        turn: Of the turn that brings the gripper in line with it [rad]; None for a round one.
+        held: Of whether it is held.
+    """
+
+    position: tuple[int, ...]
+    turn: int | None
+    held: int
 
 
 class FeatureEncoder:
@@ -42,20 +58,21 @@ class FeatureEncoder:
 
     Attributes:
         names: A name for each feature.
-        objects: The number of the object that each feature is of, -1 for the gripper's.
-        held: The numbers of the features that say whether an object is held, one for each object.
+        gripper_yaw: The number of the gripper's yaw [rad] among the features.
+        objects: Where the features of each object are.
     """
 
     def __init__(self, description: SceneDescription) -> None:
         self._objects = description.objects
         self.names = _gripper_names()
-        owners = [-1] * len(self.names)
-        for number, item in enumerate(description.objects):
-            names = _object_names(item)
+        self.gripper_yaw = len(self.names) - 1
+        self.objects: list[ObjectFeatures] = []
+        for item in description.objects:
+            names, first = _object_names(item), len(self.names)
+            turn = first + names.index(f"{item.name}.relative_yaw") if item.yaw_symmetry else None
+            position = tuple(range(first, first + 3))
+            self.objects.append(ObjectFeatures(position, turn, first + len(names) - 1))
             self.names += names
-            owners += [number] * len(names)
-        self.objects = np.array(owners)
-        self.held = np.flatnonzero([name.endswith(".held") for name in self.names])
 
     @property
     def width(self) -> int:

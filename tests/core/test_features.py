@@ -59,6 +59,17 @@ def test_width_is_that_of_the_names_and_of_the_features() -> None:
     assert ENCODER.width == 7 + 17 + 17 + 12
 
 
+def test_features_are_found_by_what_they_mean() -> None:
+    assert ENCODER.names[ENCODER.gripper_yaw] == "gripper.yaw"
+    for item, found in zip(DESCRIPTION.objects, ENCODER.objects, strict=True):
+        assert [ENCODER.names[i] for i in found.position] == [
+            f"{item.name}.{axis}" for axis in "xyz"
+        ]
+        assert ENCODER.names[found.held] == f"{item.name}.held"
+    turns = [item.turn and ENCODER.names[item.turn] for item in ENCODER.objects]
+    assert turns == ["carton.relative_yaw", "nut.relative_yaw", None]
+
+
 def test_gripper_features_are_those_of_a_hand_computation() -> None:
     found = features(gripper_yaw=np.pi / 2 + 0.2)
     assert found["gripper.x"] == pytest.approx(0.1)

@@ -136,6 +136,14 @@ def test_it_picks_only_what_can_start(policy: Policy) -> None:
     assert act(policy, scene, np.array([True, False, True])).primitive != "grasp"
 
 
+def test_where_the_most_likely_call_is_feasible_no_other_is_drawn(policy: Policy) -> None:
+    scene = scenes(demonstrations(seed=9, episodes=1))[0]
+    generator, other = np.random.default_rng(3), np.random.default_rng(3)
+    policy.act(scene, np.array([False, True, False]), lambda call: True, generator)
+    other.choice(3, p=[0.0, 1.0, 0.0])
+    assert generator.random() == other.random()
+
+
 def test_it_leaves_out_what_is_not_feasible(policy: Policy) -> None:
     scene = scenes(demonstrations(seed=9, episodes=1))[0]
     likeliest = act(policy, scene)

@@ -96,6 +96,10 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     miss_share: float = Field(0.2, ge=0, le=1)
     """Share of demonstrations whose first grasp closes too early and misses."""
 
+    stray_share: float = Field(0.0, ge=0, le=1)
+    """Share of demonstrations whose first push goes wrong, short of its goal or aside, and is
+    mended by another."""
+
     other_yaw_share: float = Field(0.25, ge=0, le=1)
     """Share of grasps at another yaw than the nearest that the object's symmetry allows."""
 
@@ -145,7 +149,8 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
         drawn |= {name: float(aside.uniform(*getattr(self, name))) for name in HABITS}
         if aside.random() < self.other_order_share and are_apart(scene, jobs):
             jobs = in_opposite_order(jobs)
-        return Person(jobs, Style(**drawn), misses, self.other_yaw_share, generator)
+        strays = bool(aside.random() < self.stray_share)
+        return Person(jobs, Style(**drawn), misses, strays, self.other_yaw_share, generator)
 
 
 def _show(

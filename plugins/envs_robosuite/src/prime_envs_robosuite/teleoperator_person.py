@@ -46,6 +46,7 @@ class Person:
         jobs: What to do, one after another.
         style: How, where no special care is taken.
         misses: Whether the first grasp closes too early.
+        strays: Whether the first push goes wrong.
         other_yaw_share: Share of grasps at another yaw than the nearest.
         generator: Where all randomness comes from.
 
@@ -58,6 +59,7 @@ class Person:
         jobs: Sequence[Job],
         style: Style,
         misses: bool,
+        strays: bool,
         other_yaw_share: float,
         generator: np.random.Generator,
     ) -> None:
@@ -68,7 +70,7 @@ class Person:
         self._misses = misses
         self._other_yaw_share = other_yaw_share
         self._is_last = False
-        self._pusher = Pusher(self.hand, generator)
+        self._pusher = Pusher(self.hand, strays, generator)
 
     def perform(self, scene: Scene) -> Generator[Action, Scene, None]:
         """Do all jobs, up to the first that fails."""

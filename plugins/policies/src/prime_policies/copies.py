@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
+from typing import Self
 
 import torch
 from torch import Tensor
 
+from prime_core.features import FeatureEncoder
 from prime_policies.linear import MAXIMUM_ROWS, LinearFit, regress, thin
 from prime_policies.mixture import wrapped
 from prime_policies.threads import one_thread
@@ -32,6 +34,26 @@ class CopiedFeatures:
     shared: Tensor
     objects: Sequence[Tensor]
     held: Tensor
+
+    @classmethod
+    def of(cls, encoder: FeatureEncoder) -> Self:
+        """Return those of a frame: where objects are, and angles from the gripper's yaw.
+
+        Not where the gripper is. Inside a segment it comes ever nearer to the target, and a policy
+        that copies it stays where it is.
+        """
+
+        def mask(numbers: Sequence[int]) -> Tensor:
+            chosen = torch.zeros(encoder.width, dtype=torch.bool)
+            chosen[list(numbers)] = True
+            return chosen
+
+        objects = [
+            mask([*item.position, *([] if item.turn is None else [item.turn])])
+            for item in encoder.objects
+        ]
+        held = torch.tensor([item.held for item in encoder.objects], dtype=torch.int64)
+        return cls(mask([encoder.gripper_yaw]), objects, held)
 
 
 def fit_copies(

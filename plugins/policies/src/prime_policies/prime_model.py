@@ -1,6 +1,7 @@
 """The policy ``prime`` at work."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 import torch
@@ -84,7 +85,8 @@ class PrimePolicy(Policy):
         labels, yaw = np.array([label]), np.array([scene.gripper_yaw])
         mixture = self._parameter_network(features, torch.from_numpy(labels))
         name, own = self._space.names[label], self._space.parameter_spaces[label]
-        for targets in (best_means(mixture), draw(mixture, DRAWS, generator)):
+        for propose in (best_means, partial(draw, count=DRAWS, generator=generator)):
+            targets = propose(mixture)
             count = len(targets)
             values = self._codec.parameters(
                 targets.numpy().astype(np.float64), labels.repeat(count), yaw.repeat(count)

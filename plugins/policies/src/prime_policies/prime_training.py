@@ -68,7 +68,7 @@ def fit_policy(
 
     sources = [_parameter_source(part, encoded, space) for part, encoded in pairs]
     preparing.measure_inputs(parameter_network.trunk, _all_of(sources))
-    blocks, copied = _blocks(config.components, len(sources)), _copied_features(encoder)
+    blocks, copied = _blocks(config.components, len(sources)), CopiedFeatures.of(encoder)
     for source, components in zip(sources, blocks, strict=True):
         # One component is left for outliers: the first line again, wider.
         fit = partial(fit_copies, features=copied, maximum=len(components) - 1)
@@ -190,20 +190,6 @@ def _blocks(components: int, sources: int) -> list[range]:
     """Share components out among sources."""
     edges = [components * number // sources for number in range(sources + 1)]
     return [range(*edge) for edge in pairwise(edges)]
-
-
-def _copied_features(encoder: FeatureEncoder) -> CopiedFeatures:
-    """Return which features lines may copy: where objects are, and angles from the gripper's yaw.
-
-    Not where the gripper is. Inside a segment it comes ever nearer to the target, and a policy
-    that copies it stays where it is.
-    """
-    names = [name.rpartition(".") for name in encoder.names]
-    copied = torch.tensor([part in ("x", "y", "z", "relative_yaw") for _, _, part in names])
-    owners = torch.from_numpy(encoder.objects)
-    objects = [copied & (owners == number) for number in range(len(encoder.held))]
-    yaw = torch.tensor([name == "gripper.yaw" for name in encoder.names])
-    return CopiedFeatures(yaw, objects, torch.from_numpy(encoder.held))
 
 
 def _all_of(sources: list[Source]) -> Source:
