@@ -1,6 +1,11 @@
 """Compiled stepping against robosuite's own."""
 
+import os
+import subprocess
+import sys
+from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -123,3 +128,26 @@ def test_a_robosuite_that_was_not_compared_is_refused() -> None:
     check_control_law("1.5.1")
     with pytest.raises(PrimeError, match=r"install robosuite==1\.5\.1 or set stepping: stock"):
         check_control_law("1.9.0")
+
+
+STEP_TWO_TASKS = """
+import numpy as np
+from prime_envs_robosuite.config import LiftConfig, TidyUpConfig
+for config in (LiftConfig(), TidyUpConfig()):
+    environment = config.build()
+    environment.reset(seed=0)
+    environment.step(np.zeros(5))
+    environment.close()
+"""
+
+
+@pytest.mark.slow  # compiles everything anew
+def test_processes_that_start_together_cannot_mix_up_machine_code(tmp_path: Path) -> None:
+    # numba's index of a function's cached signatures is not locked: with one there is no mix-up.
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", STEP_TWO_TASKS]
+    subprocess.run(command, env=os.environ | cache, check=True)
+    files = [file for file in tmp_path.rglob("control_law.*") if file.suffix == ".nbc"]
+    signatures = Counter(file.name.rpartition(".py")[0] for file in files)
+    assert any("run_control_step" in name for name in signatures)
+    assert set(signatures.values()) == {1}

@@ -5,8 +5,10 @@ That keeps it free of global callbacks (two threads can step at once), lets numb
 the machine code on disk, and leaves no Python between two substeps.
 
 Every compiled function is in this file: numba looks at one file only to tell whether a cached
-function is out of date. Sums run over the last axis of small arrays wherever they can, so
-that the compiler adds several at once without changing the order of any sum.
+function is out of date. Only functions with one signature are cached: numba's index of several is
+not locked, and processes that start on an empty cache could mix up their machine code. Sums run
+over the last axis of small arrays wherever they can, so that the compiler adds several at once
+without changing the order of any sum.
 """
 
 from typing import Any
@@ -26,7 +28,7 @@ NULLSPACE_DAMPING = 2.0 * np.sqrt(NULLSPACE_GAIN)
 JOINTS = 7  # of the arm; a constant, so that loops over them are unrolled
 
 _compiled = numba.njit(nogil=True, cache=True, error_model="numpy")
-_inlined = numba.njit(nogil=True, cache=True, error_model="numpy", forceinline=True)
+_inlined = numba.njit(nogil=True, error_model="numpy", forceinline=True)
 
 
 def _elimination(rows: int, columns: int) -> Any:
