@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from pydantic import Field
 
+from prime_core.call_history import CallHistory
 from prime_core.configuration import Config
 from prime_core.environment import Environment
 from prime_core.execution import OnStep, run_primitive
@@ -82,6 +83,7 @@ def run_trial(
     completed: list[bool] = []
     steps, solved = 0, False
     idle: set[str] = set()
+    history = CallHistory(by_name)
     while steps < maximum_steps and not solved:
         scene = environment.scene()
         startable = np.array([item.can_start(scene) for item in primitives])
@@ -89,7 +91,7 @@ def run_trial(
             break
         busy = startable & [item.name not in idle for item in primitives]
         startable = busy if busy.any() else startable
-        feasible = partial(_is_feasible, by_name, scene)
+        feasible = partial(_is_feasible, by_name, history, scene)
         call = policy.act(scene, startable, feasible, generator)
         primitive = by_name[call.primitive]
         execution = run_primitive(
@@ -101,6 +103,7 @@ def run_trial(
             on_step=on_step,
         )
         calls.append(call)
+        history.add(scene, call)
         completed.append(primitive.succeeded(execution.scenes, call.parameters))
         solved = execution.solved
         if _has_changed(scene, execution.scenes[-1]):
@@ -112,8 +115,12 @@ def run_trial(
     return Trial(solved, steps, tuple(calls), tuple(completed))
 
 
-def _is_feasible(primitives: Mapping[str, Primitive], scene: Scene, call: PrimitiveCall) -> bool:
-    return primitives[call.primitive].reachable(scene, call.parameters)
+def _is_feasible(
+    primitives: Mapping[str, Primitive], history: CallHistory, scene: Scene, call: PrimitiveCall
+) -> bool:
+    return not history.is_worn_out(scene, call) and primitives[call.primitive].reachable(
+        scene, call.parameters
+    )
 
 
 def _has_changed(before: Scene, after: Scene) -> bool:

@@ -22,6 +22,10 @@ class AugmentationConfig(Config):
     """Frames of a segment at most that the type network learns from."""
     parameter_frames: int = Field(100, ge=1)
     """Frames of a segment at most that the parameter network learns from."""
+    parameter_share: float = Field(0.3, gt=0, le=1)
+    """Share of a segment, from its start, whose frames the parameter network learns from. Later on
+    the gripper has turned to where it will be: who learns from that leaves it as it is. In the
+    paper it is 1."""
     type_margin: int = Field(11, ge=0)
     """Steps at the end of a segment that the type network does not learn from."""
 
@@ -69,7 +73,8 @@ def augmented_policy_data(
             last = max(segment.start + 1, segment.end - config.type_margin)
             chosen = _draw(segment.start, last, config.type_frames, generator)
             types.add(chosen + offset, label, 1.0 / len(chosen))
-            chosen = _draw(segment.start, segment.end, config.parameter_frames, generator)
+            last = segment.start + max(1, round(config.parameter_share * segment.steps))
+            chosen = _draw(segment.start, last, config.parameter_frames, generator)
             values.add(chosen + offset, label, 1.0)
             pairs = np.stack((chosen, np.full_like(chosen, segment.end)), axis=1)
             parameters.append(idm.parameters(features, pairs, np.full_like(chosen, label))[0])

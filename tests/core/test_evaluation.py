@@ -110,6 +110,24 @@ def test_what_changed_nothing_is_offered_where_there_is_nothing_else() -> None:
     assert [call.primitive for call in trial.calls] == ["stay"] * 5
 
 
+class Totter(Rise):
+    """Goes up and down again."""
+
+    name = "totter"
+
+    def motion(self, scene: Scene, parameters: Array) -> Motion:
+        for way in (1.0, -1.0):
+            yield np.array([0.0, 0.0, way * ACTION_LIMIT[2], 0.0, 0.0])
+
+
+def test_what_failed_twice_with_things_as_they_are_is_not_feasible_any_more() -> None:
+    policy = asks([0.5, 0.505, 0.55, 0.7], "totter")
+    trial = run_trial(PointMass(), [Totter()], policy, np.random.default_rng(0), 12)
+    heights = [float(call.parameters[0]) for call in trial.calls]
+    # 0.505 is like 0.5; once all are worn out, the policy calls the last one all the same.
+    assert heights == [0.5, 0.5, 0.55, 0.55, 0.7, 0.7]
+
+
 @pytest.mark.parametrize("limit", [1, 3])
 def test_a_primitive_that_ends_at_once_costs_a_step(limit: int) -> None:
     trial = run_trial(PointMass(), [Rise()], asks([0.5]), np.random.default_rng(0), limit)

@@ -90,6 +90,9 @@ def test_where_things_are_put_depends_on_what_is_held() -> None:
     meanings = features(group(4), group(4, 0), group(4, 1), held=(2, 3))
     lines = fit_copies(inputs, outputs, UNITS, NONE, meanings, 5)
     assert [float(line.bias[0]) for line in lines] == pytest.approx([0.2, -0.3], abs=0.01)
+    open_gates = [(inputs @ line.gate - line.gate_value).abs() < 0.5 for line in lines]
+    assert torch.equal(open_gates[0], first)
+    assert torch.equal(open_gates[1], ~first)
     assert len(fit_copies(inputs, outputs, UNITS, NONE, meanings, 1)) == 1
 
 

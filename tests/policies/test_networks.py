@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import torch
 
 from prime_policies.linear import LinearFit
@@ -71,6 +73,21 @@ def test_a_line_has_the_parameters_of_its_primitive_alone() -> None:
     assert float(ours.weight[1, :, 0, 3].min()) == 1.0
     assert float(ours.weight[1, :, 1].abs().max()) == 0.0
     assert float(ours.weight[0].abs().max()) == 0.0
+
+
+def test_components_are_left_out_where_their_lines_do_not_apply() -> None:
+    ours = parameter_network(pair=False)
+    code = torch.tensor([1.0, 2.0, 0.0])
+    gated = [
+        replace(LinearFit.zero(torch.zeros(1, 3), torch.zeros(1, 2)), gate=code, gate_value=value)
+        for value in torch.tensor([0.0, 1.0, 2.0])
+    ]
+    ours.set_lines(0, gated, range(5))  # the first two again
+    seen = torch.tensor([[0.0, 0.0, 0.4], [1.0, 0.0, 0.4], [0.0, 1.0, 0.4], [5.0, 0.0, 0.4]])
+    mixture = ours(seen[:, None], torch.zeros(4, dtype=torch.int64))
+    expected = [[0, 3], [1, 4], [2], [0, 1, 2, 3, 4]]  # where none applies, all do
+    found = [torch.nonzero(row.isfinite())[:, 0].tolist() for row in mixture.logits]
+    assert found == expected
 
 
 def test_without_trust_the_means_are_the_lines() -> None:

@@ -148,10 +148,17 @@ def test_it_leaves_out_what_is_not_feasible(policy: Policy) -> None:
     scene = scenes(demonstrations(seed=9, episodes=1))[0]
     likeliest = act(policy, scene)
 
-    def another(call: PrimitiveCall) -> bool:
+    def turned(call: PrimitiveCall) -> bool:
         return not np.array_equal(call.parameters, likeliest.parameters)
 
-    call = policy.act(scene, ALL, another, np.random.default_rng(0))
+    call = policy.act(scene, ALL, turned, np.random.default_rng(0))
+    assert call.primitive == likeliest.primitive
+    assert np.array_equal(call.parameters[:3], likeliest.parameters[:3])
+
+    def elsewhere(call: PrimitiveCall) -> bool:
+        return not np.array_equal(call.parameters[:3], likeliest.parameters[:3])
+
+    call = policy.act(scene, ALL, elsewhere, np.random.default_rng(0))
     assert call.primitive == likeliest.primitive
     assert 0 < np.linalg.norm(call.parameters[:3] - likeliest.parameters[:3]) < 0.1
 

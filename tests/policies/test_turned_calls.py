@@ -5,7 +5,7 @@ import pytest
 
 from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Affordance, Scene
-from prime_policies.turned_calls import turned_calls
+from prime_policies.turned_calls import calls_at_any_yaw, turned_calls
 
 from .toy_world import DESCRIPTION, SPACE, demonstrations
 
@@ -64,3 +64,21 @@ def test_a_call_without_a_yaw_is_not_turned() -> None:
     scene = scene_with(Affordance("grasp", "carton", HERE, HERE, yaws=(0.0, np.pi / 2)))
     space = ParameterSpace((Parameter("x", "m", -1.0, 1.0),))
     assert not list(turned_calls(PrimitiveCall("grasp", np.zeros(1)), space, scene))
+
+
+def test_a_call_is_turned_ever_farther_within_its_period() -> None:
+    call = PrimitiveCall("grasp", np.array([0.1, 0.0, 0.9, 0.5]))
+    turned = list(calls_at_any_yaw(call, POSE))
+    assert all(np.array_equal(item.parameters[:3], call.parameters[:3]) for item in turned)
+    turns = np.array(
+        [float(POSE.difference(item.parameters, call.parameters)[3]) for item in turned]
+    )
+    assert len(turned) == 10
+    assert np.abs(turns[:2]) == pytest.approx([np.pi / 12] * 2)
+    assert np.all(np.diff(np.abs(turns)) > -1e-9)
+    assert all(POSE.contains(item.parameters) for item in turned)
+
+
+def test_without_a_yaw_there_is_no_other_one() -> None:
+    space = ParameterSpace((Parameter("z", "m", 0.0, 1.0),))
+    assert not list(calls_at_any_yaw(PrimitiveCall("rise", np.array([0.5])), space))

@@ -1,7 +1,7 @@
 """Lines that copy the features of one object each, for targets that are chosen."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Self
 
@@ -68,8 +68,8 @@ def fit_copies(
 
     A grasp goes to one box or to another: no one feature tells where. So there are lines for
     several objects, as far as outputs gather about their features. An object has several where it
-    is gripped now this way, now that. Each thing that may be held has its own lines too, for where
-    a thing is put depends on what it is.
+    is gripped now this way, now that. Each thing that may be held has its own lines too, which are
+    for where it is held and nowhere else: where a thing is put depends on what it is.
 
     A line gives each output as one feature (or less one feature) plus a constant, or as the
     constant alone, whichever has the smallest mean error over the rows that the line is nearest
@@ -94,24 +94,24 @@ def fit_copies(
     """
     with one_thread():
         inputs, outputs = thin(inputs, MAXIMUM_ROWS), thin(outputs, MAXIMUM_ROWS)
-        parts = _by_what_is_held(inputs[:, features.held])
+        gate = inputs.new_zeros(inputs.shape[1])
+        gate[features.held] = torch.arange(1, len(features.held) + 1, dtype=gate.dtype)
+        what = inputs @ gate
+        often = _often(what)
         lines = []
-        for rows in parts[:maximum]:
+        for value in often[:maximum]:
+            rows = what == value
             copies = _Copies(inputs[rows], outputs[rows], units, periods)
-            lines += _gather(copies, features, max(1, maximum // len(parts)))
+            found = _gather(copies, features, max(1, maximum // len(often)))
+            lines += [replace(line, gate=gate, gate_value=value) for line in found]
         return lines
 
 
-def _by_what_is_held(held: Tensor) -> list[Tensor]:
-    """Return the rows of each thing that is often held, or of nothing, ``(n,)`` bool.
-
-    Args:
-        held: Whether each object is, ``(n, objects)``.
-    """
-    which = held @ torch.arange(1.0, held.shape[1] + 1, dtype=held.dtype)
-    values, counts = which.unique(return_counts=True)
-    order = counts.argsort(descending=True, stable=True).tolist()
-    return [which == values[i] for i in order if counts[i] >= LEAST_SHARE * len(which)]
+def _often(values: Tensor) -> Tensor:
+    """Return which values ``(n,)`` are frequent, the most frequent one first."""
+    different, counts = values.unique(return_counts=True)
+    order = counts.argsort(descending=True, stable=True)
+    return different[order[counts[order] >= LEAST_SHARE * len(values)]]
 
 
 def _gather(copies: "_Copies", features: CopiedFeatures, maximum: int) -> list[LinearFit]:

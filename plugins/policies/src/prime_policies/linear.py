@@ -28,18 +28,24 @@ class LinearFit:
         bias: ``(outputs,)``.
         spread: Standard deviation of the residuals, ``(outputs,)``; that of `fit_linear`
             leaves outliers out.
+        gate: The line is for where this weighted sum of the features, ``(inputs,)``, is
+            `gate_value`, to within a half; zeros where it is for anywhere.
+        gate_value: ``()``.
     """
 
     weight: Tensor
     bias: Tensor
     spread: Tensor
+    gate: Tensor
+    gate_value: Tensor
 
     @classmethod
     def zero(cls, inputs: Tensor, outputs: Tensor) -> "LinearFit":
         """Return zeros for inputs ``(n, inputs)`` and outputs ``(n, outputs)``."""
         count = outputs.shape[1]
-        weight = inputs.new_zeros(count, inputs.shape[1])
-        return cls(weight, inputs.new_zeros(count), inputs.new_zeros(count))
+        width = inputs.shape[1]
+        lines = (inputs.new_zeros(shape) for shape in ((count, width), count, count))
+        return cls(*lines, gate=inputs.new_zeros(width), gate_value=inputs.new_zeros(()))
 
 
 def fit_linear(inputs: Tensor, outputs: Tensor, units: Tensor) -> LinearFit:

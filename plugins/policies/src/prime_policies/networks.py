@@ -130,7 +130,8 @@ class ParameterNetwork(nn.Module):
     as they are, without noise; the perceptron learns what it leaves over, in units of its spread.
     A target that simply is where the gripper ends is thus exact from the first step. Where a
     primitive can be about one object or another, each has components of its own, and the
-    perceptron learns which to choose. How much of what the perceptron says is added to a line, its
+    perceptron learns which to choose, among those whose line is for where the frames are: its gate
+    says so (see `LinearFit`). How much of what the perceptron says is added to a line, its
     trust, is 1 unless it is measured on data left out. Components may be left out of the mixture
     for a while by `active`, 1 or 0 for each.
 
@@ -147,6 +148,8 @@ class ParameterNetwork(nn.Module):
     weight: Tensor
     bias: Tensor
     spread: Tensor
+    gate: Tensor
+    gate_value: Tensor
     trust: Tensor
     active: Tensor
     mask: Tensor
@@ -172,6 +175,8 @@ class ParameterNetwork(nn.Module):
         self.register_buffer("weight", torch.zeros(*self._shape, inputs))
         self.register_buffer("bias", torch.zeros(self._shape))
         self.register_buffer("spread", torch.ones(self._shape))
+        self.register_buffer("gate", torch.zeros(primitives, components, inputs))
+        self.register_buffer("gate_value", torch.zeros(primitives, components))
         self.register_buffer("trust", torch.ones(primitives, width))
         self.register_buffer("active", torch.ones(components), persistent=False)
         self.register_buffer("mask", mask.float())
@@ -202,6 +207,8 @@ class ParameterNetwork(nn.Module):
             own = (primitive, component, slice(len(line.bias)))
             self.weight[own], self.bias[own] = line.weight.float(), line.bias.float()
             self.spread[own] = line.spread.clamp_min(self.minimum_deviation).float()
+            self.gate[primitive, component] = line.gate.float()
+            self.gate_value[primitive, component] = line.gate_value.float()
             bias[primitive, component, 1 + width :] = WIDENING * (place // len(lines))
 
     def forward(self, frames: Tensor, labels: Tensor) -> Mixture:
@@ -245,5 +252,26 @@ class ParameterNetwork(nn.Module):
         means = lines + spread * trust[labels][:, None] * outputs[:, :, 1 : 1 + width]
         deviations = spread * functional.softplus(outputs[:, :, 1 + width :])
         deviations = deviations + self.minimum_deviation
-        logits = outputs[:, :, 0].masked_fill(self.active == 0, -torch.inf)
+        usable = self._usable(frames.flatten(1), labels)
+        logits = outputs[:, :, 0].masked_fill(~usable, -torch.inf)
         return Mixture(logits, means, deviations, self.mask[labels], self.periods[labels])
+
+    def _usable(self, inputs: Tensor, labels: Tensor) -> Tensor:
+        """Return which components are in the mixtures: active ones whose gate is open.
+
+        Where none is, as with something held that never was before, all active ones are.
+
+        Args:
+            inputs: Features of all frames, ``(n, inputs)``.
+            labels: ``(n,)``.
+
+        Returns:
+            ``(n, components)``.
+        """
+        primitives, components, _ = self._shape
+        sums = (inputs @ self.gate.flatten(0, 1).T).view(-1, primitives, components)
+        rows = torch.arange(len(labels))
+        differences = sums[rows, labels] - self.gate_value[labels]
+        active = (self.active > 0).expand_as(differences)
+        usable = active & (differences.abs() < 0.5)
+        return torch.where(usable.any(dim=1, keepdim=True), usable, active)

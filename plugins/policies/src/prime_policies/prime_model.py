@@ -18,7 +18,7 @@ from prime_policies.mixture import best_means, draw
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.threads import one_thread
-from prime_policies.turned_calls import turned_calls
+from prime_policies.turned_calls import calls_at_any_yaw, turned_calls
 
 DRAWS = 50  # of parameters, where the most likely ones are not feasible
 
@@ -95,3 +95,5 @@ class PrimePolicy(Policy):
                 call = PrimitiveCall(name, parameters[: len(own)])
                 yield call
                 yield from turned_calls(call, own, scene)
+                if propose is best_means:
+                    yield from calls_at_any_yaw(call, own)

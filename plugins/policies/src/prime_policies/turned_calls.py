@@ -1,4 +1,4 @@
-"""Calls that are as good as another one: the gripper turned to another good yaw of an object."""
+"""Calls that are nearly as good as another one: the same with the gripper turned."""
 
 from collections.abc import Iterator
 
@@ -10,6 +10,7 @@ from prime_core.rotations import wrap_angle, yaw_of
 from prime_core.scene import Affordance, Scene
 
 NEAR = 0.05  # [m] from an object in the plane, for a call to be about it
+STEPS = 12  # turns that are tried in a period
 
 
 def turned_calls(
@@ -37,11 +38,37 @@ def turned_calls(
     turns = wrap_angle(np.array(affordance.yaws) + base - call.parameters[index], period)
     own = turns[np.argmin(np.abs(turns))]
     for turn in turns[turns != own] - own:
-        parameters = call.parameters.copy()
-        middle = (space.low[index] + space.high[index]) / 2
-        parameters[index] = middle + wrap_angle(parameters[index] + turn - middle, period)
-        if space.contains(parameters):
-            yield PrimitiveCall(call.primitive, parameters)
+        yield from _turned(call, space, turn)
+
+
+def calls_at_any_yaw(call: PrimitiveCall, space: ParameterSpace) -> Iterator[PrimitiveCall]:
+    """Yield a call at other yaws, ever farther from its own.
+
+    A box next to a wall can be gripped at its corners, and pushed with the hand's thin side.
+
+    Args:
+        call: Has a parameter yaw [rad], or nothing is yielded.
+        space: Of its parameters.
+    """
+    names = [item.name for item in space.parameters]
+    if "yaw" not in names:
+        return
+    period = space.parameters[names.index("yaw")].period or 2 * np.pi
+    turns = np.arange(1, STEPS) - STEPS // 2
+    for turn in turns[np.argsort(np.abs(turns), kind="stable")]:
+        if turn:
+            yield from _turned(call, space, turn * period / STEPS)
+
+
+def _turned(call: PrimitiveCall, space: ParameterSpace, turn: float) -> Iterator[PrimitiveCall]:
+    """Yield a call turned by an angle [rad], if that is within the bounds of its parameters."""
+    index = [item.name for item in space.parameters].index("yaw")
+    period = space.parameters[index].period or 2 * np.pi
+    parameters = call.parameters.copy()
+    middle = (space.low[index] + space.high[index]) / 2
+    parameters[index] = middle + wrap_angle(parameters[index] + turn - middle, period)
+    if space.contains(parameters):
+        yield PrimitiveCall(call.primitive, parameters)
 
 
 def _nearest(action: str, place: Floats, scene: Scene) -> Affordance | None:
