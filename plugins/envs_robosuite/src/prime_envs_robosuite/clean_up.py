@@ -72,7 +72,7 @@ class CleanUpTask(TableTopTask):
         """Return what a person has to do; see `Task`."""
         push = push_job(POPCORN, SERVING_AREA, SERVING_REACH / 2)
         if self.variant == "bin":
-            return (push, BIN.job(BUTTER.name, part=0, parts=1, bins=self.layout.bins))
+            return (push, BIN.job(BUTTER, part=0, parts=1, layout=self.layout))
         stack = PutOnto(
             object_name=BUTTER.name,
             point=(0.0, 0.0, POPCORN.half_size[2] + BUTTER.half_size[2]),

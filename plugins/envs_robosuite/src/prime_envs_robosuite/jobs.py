@@ -35,6 +35,19 @@ class Reach:
     distance: float
 
 
+@dataclass(frozen=True)
+class Neighbour:
+    """An object that a hand keeps off while it takes another one.
+
+    Attributes:
+        object_name: The object.
+        half_size: Half of its extent along its own axes [m].
+    """
+
+    object_name: str
+    half_size: tuple[float, float, float]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Job:
     """What is to be done with one object.
@@ -55,10 +68,15 @@ class Taking(Job):
     Attributes:
         taken_from: What it is taken out of; None where no walls are.
         beside: What stands near where it may be taken.
+        neighbours: Objects that may lie near it.
+        any_yaw: Whether it fits between the fingers whichever way they are turned, so that where
+            there is no room for the hand it may be gripped at its corners.
     """
 
     taken_from: Bounds | None = None
     beside: tuple[Bounds, ...] = ()
+    neighbours: tuple[Neighbour, ...] = ()
+    any_yaw: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ import numpy as np
 
 from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_envs_robosuite.adapter import make_host
-from prime_envs_robosuite.jobs import Bounds, Push, PutInto, Reach
+from prime_envs_robosuite.jobs import Bounds, Neighbour, Push, PutInto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task
 
 Colour = tuple[float, float, float]
@@ -77,6 +77,10 @@ class Box:
         square = self.half_size[0] == self.half_size[1]
         fits = bool(self.grasp_yaws())
         return ObjectDescription(self.name, 4 if square else 2, graspable=fits, pushable=not fits)
+
+    def neighbour(self) -> Neighbour:
+        """Return what it is to a hand that takes another box."""
+        return Neighbour(self.name, self.half_size)
 
     def placement(self) -> Placement:
         """Return where it starts."""
@@ -158,14 +162,14 @@ class Bin:
         (x, y), (width, length) = self.centre, self.half_size
         return Bounds((x - width, y - length), (x + width, y + length), TABLE_TOP + BIN_HEIGHT)
 
-    def job(self, name: str, part: int, parts: int, bins: Sequence["Bin"]) -> PutInto:
+    def job(self, box: Box, part: int, parts: int, layout: "Layout") -> PutInto:
         """Return what people do to put a box into a part of it.
 
         Args:
-            name: Of the box.
+            box: The box.
             part: Which part, counted from 0 along its long side.
             parts: How many there are.
-            bins: All that stand on the table.
+            layout: All that is on the table.
         """
         inner = np.array(self.half_size) - RELEASE_MARGIN + BIN_WALL
         low, high = np.array(self.centre) - inner, np.array(self.centre) + inner
@@ -174,12 +178,14 @@ class Bin:
         low[axis] += part * (length + PART_GAP)
         high[axis] = low[axis] + length
         return PutInto(
-            object_name=name,
+            object_name=box.name,
             low=(float(low[0]), float(low[1])),
             high=(float(high[0]), float(high[1])),
             reach=EASY_REACH,
             rise=BIN_FLOOR + DROP_HEIGHT,
-            beside=tuple(item.outside() for item in bins),
+            beside=tuple(item.outside() for item in layout.bins),
+            neighbours=tuple(item.neighbour() for item in layout.boxes if item != box),
+            any_yaw=2 * float(np.hypot(*box.half_size[:2])) < WIDEST_GRIP,
         )
 
     def affordance(self) -> Affordance:

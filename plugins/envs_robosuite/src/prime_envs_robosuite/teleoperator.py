@@ -1,10 +1,11 @@
 """Simulated people: demonstrations that do not follow any primitive's own waypoints."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from pydantic import AfterValidator, Field, PositiveInt
+from pydantic import AfterValidator, Field, PositiveFloat, PositiveInt
 
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import EnvironmentConfig
@@ -93,6 +94,10 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     do: lifts bend into carrying, corrections are left to the next movement, and from where
     something was let go of the hand goes on to the next object."""
 
+    grip_within: PositiveFloat | None = None
+    """How far from where it should the gripper may close [m]. People whose hand is farther away
+    correct it, and give up where they cannot. Without it they do not look again."""
+
     miss_share: float = Field(0.2, ge=0, le=1)
     """Share of demonstrations whose first grasp closes too early and misses."""
 
@@ -150,7 +155,8 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
         if aside.random() < self.other_order_share and are_apart(scene, jobs):
             jobs = in_opposite_order(jobs)
         strays = bool(aside.random() < self.stray_share)
-        return Person(jobs, Style(**drawn), misses, strays, self.other_yaw_share, generator)
+        style = Style(**drawn, grip_within=self.grip_within or inf)
+        return Person(jobs, style, misses, strays, self.other_yaw_share, generator)
 
 
 def _show(

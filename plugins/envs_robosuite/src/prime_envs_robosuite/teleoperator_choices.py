@@ -14,9 +14,12 @@ Array = NDArray[np.float64]
 
 HAND_HALF_SIZE = np.array([0.034, 0.106])  # of the Panda's hand along the gripper's x and y [m]
 HAND_BOTTOM = 0.02  # above the point between the fingertips [m]
+FINGERS_HALF_SIZE = np.array([0.012, 0.055])  # of both opened fingers, likewise [m]
+MARGIN = 0.005  # that people leave beside what is around [m]
 APART = 0.1  # between the centres of things of which either can be taken first [m]
 SPOTS = 1000  # that are looked at for one where the hand has room
 GREATEST_YAW = 1.4  # of the gripper [rad]; the arm's last joint ends beyond a quarter turn
+ANY_YAWS = np.linspace(-GREATEST_YAW, GREATEST_YAW, 57)  # 3 degrees apart [rad]
 
 
 def choose_grasp(
@@ -43,13 +46,12 @@ def choose_grasp(
     nearest = turns[np.argsort(np.abs(turns - scene.gripper_yaw))]
     position = scene.object_positions[index] + offset
     reachable = nearest[np.abs(nearest) < GREATEST_YAW]
-    spread = position[:2], float(position[2]), reachable
-    roomy = np.ones(len(reachable), dtype=np.bool_)
-    if job.taken_from is not None:
-        roomy &= _hand_fits(*spread, job.taken_from)
-    for block in job.beside:
-        roomy &= _hand_clears(*spread, block)
-    reachable = reachable[roomy] if roomy.any() else reachable
+    roomy = reachable[_has_room(scene, job, position, reachable)]
+    if not len(roomy) and job.any_yaw:
+        away = np.abs(wrap_angle(ANY_YAWS[:, None] - turns, period=np.pi)).min(axis=1)
+        others = ANY_YAWS[np.argsort(away)]
+        roomy = others[_has_room(scene, job, position, others)][:1]
+    reachable = roomy if len(roomy) else reachable
     reachable = reachable if len(reachable) else nearest[:1]
     other = len(reachable) > 1 and draw.random() < other_yaw_share
     return position, float(reachable[1 if other else 0] + draw.uniform(-0.1, 0.1))
@@ -173,13 +175,76 @@ def _hand_fits(spots: ArrayLike, height: float, yaws: ArrayLike, room: Bounds) -
     return np.asarray(np.all(inside, axis=-1) | (height + HAND_BOTTOM > room.top))
 
 
-def _hand_clears(
-    spots: ArrayLike, height: float, yaws: ArrayLike, block: Bounds
+def _has_room(scene: Scene, job: Taking, position: Array, yaws: Array) -> NDArray[np.bool_]:
+    """Tell at which yaws [rad] ``(N,)`` the hand has room to take an object ``(N,)``.
+
+    Args:
+        scene: The scene now.
+        job: Says what is around.
+        position: Of the gripper [m], ``(3,)``.
+        yaws: Of the gripper.
+    """
+    spot, height = position[:2], float(position[2])
+    roomy = np.ones(len(yaws), dtype=np.bool_)
+    if job.taken_from is not None:
+        roomy &= _hand_fits(spot, height, yaws, job.taken_from)
+    for block in job.beside:
+        low, high = np.array(block.low), np.array(block.high)
+        half = (high - low) / 2 + MARGIN
+        roomy &= _clears(position, yaws, (low + high) / 2, half, 0.0, block.top)
+    for item in job.neighbours:
+        index = scene.object_index(item.object_name)
+        centre, half = scene.object_positions[index], np.array(item.half_size)
+        yaw = float(yaw_of(scene.object_quaternions[index]))
+        top = float(centre[2] + half[2])
+        roomy &= _clears(position, yaws, centre[:2], half[:2] + MARGIN, yaw, top)
+    return roomy
+
+
+def _clears(
+    position: Array, yaws: Array, centre: Array, half: Array, yaw: float, top: float
 ) -> NDArray[np.bool_]:
-    """Tell where the hand is beside a block or above it ``(N,)``; see `_hand_fits`."""
-    half = _hand_extent(yaws)
-    beside = (spots + half < np.array(block.low)) | (spots - half > np.array(block.high))
-    return np.asarray(np.any(beside, axis=-1) | (height + HAND_BOTTOM > block.top))
+    """Tell where hand and fingers are beside a block or above it, ``(N,)``.
+
+    Args:
+        position: Of the gripper [m], ``(3,)``.
+        yaws: Of the gripper [rad], ``(N,)``.
+        centre: Of the block in the plane [m], ``(2,)``.
+        half: Half of the block's extent along its own axes [m], ``(2,)``.
+        yaw: Of the block [rad].
+        top: Height of the block's upper edge [m].
+    """
+    away = centre - position[:2]
+    fingers = _are_apart(away, FINGERS_HALF_SIZE, yaws, half, yaw)
+    if position[2] + HAND_BOTTOM > top:
+        return fingers
+    return fingers & _are_apart(away, HAND_HALF_SIZE, yaws, half, yaw)
+
+
+def _are_apart(
+    away: Array, half: Array, yaws: Array, other_half: Array, other_yaw: float
+) -> NDArray[np.bool_]:
+    """Tell where two rectangles do not overlap ``(N,)``: a side of one has all of the other beyond.
+
+    Args:
+        away: From the centre of the first to that of the other [m], ``(2,)``.
+        half: Half of the extent of the first along its own axes [m], ``(2,)``.
+        yaws: Of the first [rad], ``(N,)``.
+        other_half: Half of the extent of the other [m], ``(2,)``.
+        other_yaw: Of the other [rad].
+    """
+    sine, cosine = np.abs(np.sin(yaws - other_yaw)), np.abs(np.cos(yaws - other_yaw))
+    swap = np.stack((np.stack((cosine, sine), -1), np.stack((sine, cosine), -1)), -2)
+    beyond = np.abs(_along(away, yaws)) > half + swap @ other_half
+    beyond |= np.abs(_along(away, np.full_like(yaws, other_yaw))) > other_half + swap @ half
+    return np.asarray(beyond.any(axis=-1))
+
+
+def _along(point: Array, yaws: Array) -> Array:
+    """Return a point ``(2,)`` along axes turned by each yaw ``(N,)`` [rad], ``(N, 2)``."""
+    cosine, sine = np.cos(yaws), np.sin(yaws)
+    along = cosine * point[0] + sine * point[1]
+    return np.stack((along, cosine * point[1] - sine * point[0]), axis=-1)
 
 
 def _hand_extent(yaws: ArrayLike) -> Array:

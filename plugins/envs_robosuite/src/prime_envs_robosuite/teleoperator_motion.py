@@ -57,6 +57,7 @@ class Style:
         ramp: Time in which a long movement reaches its speed [s].
         turn_speed: Mean speed of turning [rad/s].
         flow: Share of movements that go over into the next without a stop.
+        grip_within: How far from where it should the gripper may close [m].
     """
 
     speed: float
@@ -70,6 +71,7 @@ class Style:
     ramp: float
     turn_speed: float
     flow: float
+    grip_within: float
 
     def with_care(self, care: float) -> "Style":
         """Return the style with all movements slower and all pauses longer by a factor."""

@@ -33,6 +33,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 RELEASE_GAP = (0.001, 0.006)  # between a lowered object and the floor when let go of [m]
 UPRIGHT = 0.98  # least cosine of the angle by which an object may be tilted in the end
+CORRECTIONS = 3  # of where the hand closes, before a person gives up
 DROP = 0.015  # from how much higher than wanted an object may be let go of [m]
 RETREAT = (0.06, 0.11)  # upwards, from what was put down [m]
 RETREAT_ASIDE = 0.01  # standard deviation [m]
@@ -90,6 +91,8 @@ class Person:
         """Take the object and do the rest; take it again if it gets lost."""
         for _ in range(TRIES):
             scene, floor = yield from self._take(scene, job)
+            if floor is None:
+                return scene, False
             if scene.held != job.object_name:
                 continue
             if isinstance(job, HoldUp):
@@ -107,8 +110,15 @@ class Person:
             return scene, (scene.held is None) != isinstance(job, HoldUp)
         return scene, False
 
-    def _take(self, scene: Scene, job: Taking) -> Generator[Action, Scene, tuple[Scene, float]]:
-        """Grasp the object; returns the scene and the height at which the object lay [m]."""
+    def _take(
+        self, scene: Scene, job: Taking
+    ) -> Generator[Action, Scene, tuple[Scene, float | None]]:
+        """Grasp the object.
+
+        Returns:
+            The scene, and the height at which the object lay [m]; None where something stopped the
+            hand on its way, and nobody would grip.
+        """
         hand, draw = self.hand, self._generator
         if hand.gripper == CLOSE and hand.has_risen:
             scene = yield from hand.grip(scene, OPEN)
@@ -126,9 +136,21 @@ class Person:
         floor = float(scene.object_positions[scene.object_index(job.object_name), 2])
         scene = yield from hand.move(scene, position, yaw)
         scene = yield from hand.pause(scene, 0.5)
+        for _ in range(CORRECTIONS):
+            if not self._is_off(scene, position):
+                break
+            scene = yield from hand.move(scene, position, yaw)
+            scene = yield from hand.pause(scene, 0.5)
+        if self._is_off(scene, position):
+            return scene, None
         scene = yield from hand.grip(scene, CLOSE)
         scene = yield from hand.pause(scene, 0.7)
         return scene, floor
+
+    def _is_off(self, scene: Scene, position: Array) -> bool:
+        """Whether the gripper is too far from where it should close [m], ``(3,)``."""
+        away = np.linalg.norm(scene.gripper_position - position)
+        return bool(away > self._style.grip_within)
 
     def _hesitates(self) -> bool:
         return bool(self._generator.random() < 0.4) and not self.hand.flows()

@@ -127,10 +127,10 @@ class TidyUpTask(TableTopTask):
 
     def jobs(self) -> tuple[Job, ...]:
         """Return what a person has to do; see `Task`."""
-        bins, mat = self.layout.bins, self.layout.mats[TARGET_MAT]
+        mat = self.layout.mats[TARGET_MAT]
         *small, large = BOXES
-        into = bins[TARGET_BIN].job
-        put = [into(box.name, part, len(small), bins) for part, box in enumerate(small)]
+        into = self.layout.bins[TARGET_BIN].job
+        put = [into(box, part, len(small), self.layout) for part, box in enumerate(small)]
         # The higher one first: where it stands, a hand that takes the lower one knocks it over.
         return (*reversed(put), push_job(large, mat.centre, MAT_REACH / 2))
 
