@@ -101,10 +101,6 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     miss_share: float = Field(0.2, ge=0, le=1)
     """Share of demonstrations whose first grasp closes too early and misses."""
 
-    stray_share: float = Field(0.0, ge=0, le=1)
-    """Share of demonstrations whose first push goes wrong, short of its goal or aside, and is
-    mended by another."""
-
     other_yaw_share: float = Field(0.25, ge=0, le=1)
     """Share of grasps at another yaw than the nearest that the object's symmetry allows."""
 
@@ -154,9 +150,8 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
         drawn |= {name: float(aside.uniform(*getattr(self, name))) for name in HABITS}
         if aside.random() < self.other_order_share and are_apart(scene, jobs):
             jobs = in_opposite_order(jobs)
-        strays = bool(aside.random() < self.stray_share)
         style = Style(**drawn, grip_within=self.grip_within or inf)
-        return Person(jobs, style, misses, strays, self.other_yaw_share, generator)
+        return Person(jobs, style, misses, self.other_yaw_share, generator)
 
 
 def _show(

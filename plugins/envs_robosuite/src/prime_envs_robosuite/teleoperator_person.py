@@ -47,7 +47,6 @@ class Person:
         jobs: What to do, one after another.
         style: How, where no special care is taken.
         misses: Whether the first grasp closes too early.
-        strays: Whether the first push goes wrong.
         other_yaw_share: Share of grasps at another yaw than the nearest.
         generator: Where all randomness comes from.
 
@@ -60,7 +59,6 @@ class Person:
         jobs: Sequence[Job],
         style: Style,
         misses: bool,
-        strays: bool,
         other_yaw_share: float,
         generator: np.random.Generator,
     ) -> None:
@@ -71,7 +69,7 @@ class Person:
         self._misses = misses
         self._other_yaw_share = other_yaw_share
         self._is_last = False
-        self._pusher = Pusher(self.hand, strays, generator)
+        self._pusher = Pusher(self.hand, generator)
 
     def perform(self, scene: Scene) -> Generator[Action, Scene, None]:
         """Do all jobs, up to the first that fails."""

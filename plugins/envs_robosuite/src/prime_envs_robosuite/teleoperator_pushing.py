@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 STROKES = 6  # of a push, from one side
 DRAW_BACK = 0.02  # from a pushed object, before rising beside it [m]
 PUSHED = 0.015  # from where a pushed object should be, near enough [m]
-ASTRAY = (0.08, 0.12)  # from where it should be, a push that goes wrong leaves the object [m]
-ASTRAY_TURN = 1.8  # of where it is left, about the way that it came, to either side [rad]
 STRAIGHT = Way(straight=True)
 
 
@@ -34,13 +32,11 @@ class Pusher:
 
     Args:
         hand: Moves the gripper.
-        strays: Whether the first push goes wrong, short of its goal or aside.
         generator: Where all randomness comes from.
     """
 
-    def __init__(self, hand: Hand, strays: bool, generator: np.random.Generator) -> None:
+    def __init__(self, hand: Hand, generator: np.random.Generator) -> None:
         self._hand = hand
-        self._strays = strays
         self._generator = generator
 
     def push(self, scene: Scene, job: Push, is_last: bool) -> Outcome:
@@ -57,25 +53,15 @@ class Pusher:
             scene = yield from hand.grip(scene, CLOSE)
         for _ in range(TRIES):
             spot = scene.object_positions[index, :2]
-            if np.linalg.norm(target - spot) < PUSHED or _is_inside(spot, job):
+            way = target - spot
+            distance = float(np.linalg.norm(way))
+            if distance < PUSHED or _is_inside(spot, job):
                 return scene, True
-            aim = self._aim(spot, target)
-            direction = (aim - spot) / np.linalg.norm(aim - spot)
+            direction = way / distance
             scene = yield from self._come_down_beside(scene, job, direction)
-            scene = yield from self._push_on(scene, job, aim, direction)
+            scene = yield from self._push_on(scene, job, target, direction)
             scene = yield from self._leave(scene, direction, is_last)
         return scene, _is_inside(scene.object_positions[index, :2], job)
-
-    def _aim(self, spot: Array, target: Array) -> Array:
-        """Return where an object at a spot ``(2,)`` is pushed to: astray once, if at all [m]."""
-        if not self._strays:
-            return target
-        self._strays = False
-        back = spot - target
-        turn = self._generator.uniform(-ASTRAY_TURN, ASTRAY_TURN)
-        angle = float(np.arctan2(back[1], back[0])) + turn
-        aside = np.array([np.cos(angle), np.sin(angle)])
-        return np.asarray(target + self._generator.uniform(*ASTRAY) * aside)
 
     def _come_down_beside(self, scene: Scene, job: Push, direction: Array) -> Movement:
         """Bring the closed gripper down behind the object, seen in the direction ``(2,)``."""
