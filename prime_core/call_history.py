@@ -10,6 +10,7 @@ from prime_core.scene import Scene
 
 STILL = 0.01  # [m] by which objects may be elsewhere in scenes that are alike
 ALIKE = {"m": 0.02, "rad": 0.3}  # by which parameters of calls that are alike may differ
+ALIKE_SHARE = 0.05  # of the range of a parameter in another unit, likewise
 TRIES = 2  # of calls that are alike, from scenes that are alike
 
 
@@ -45,8 +46,10 @@ class CallHistory:
     def _resembles(self, call: PrimitiveCall, past: PrimitiveCall) -> bool:
         space = self._primitives[call.primitive].parameter_space
         differences = np.abs(space.difference(call.parameters, past.parameters))
-        tolerances = [ALIKE[item.unit] for item in space.parameters]
-        return bool(np.all(differences < tolerances))
+        tolerances = [
+            ALIKE.get(item.unit, ALIKE_SHARE * (item.high - item.low)) for item in space.parameters
+        ]
+        return bool(np.all(differences <= tolerances))
 
 
 def _are_alike(scene: Scene, other: Scene) -> bool:

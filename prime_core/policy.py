@@ -58,8 +58,9 @@ class Policy(ABC):
             scene: The scene as it is now.
             startable: For each primitive, in the order of the primitive space, whether it can
                 start here; at least one can.
-            feasible: Tells whether the arm can do a call of one of them from here. A policy that
-                has several calls to choose from can leave out those that would come to nothing.
+            feasible: Tells whether a call of one of them makes sense here: whether the arm can do
+                it, and it did not come to nothing before. A policy that has several calls to
+                choose from can leave out those that do not.
             generator: Of all random draws.
         """
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prime_core.call_history import CallHistory
-from prime_core.primitive_calls import PrimitiveCall
+from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall
 from prime_core.scene import Scene
 
 from .point_mass import PointMass
@@ -46,6 +46,16 @@ def test_calls_and_scenes_need_only_be_alike(scene: Scene) -> None:
     assert history.is_worn_out(scene, PrimitiveCall("rise", np.array([0.515])))
     assert not history.is_worn_out(scene, PrimitiveCall("rise", np.array([0.525])))
     assert not history.is_worn_out(scene, PrimitiveCall("stay", np.array([0.5])))
+
+
+def test_parameters_in_other_units_are_alike_within_a_share_of_their_range(scene: Scene) -> None:
+    press = Rise()
+    press.parameter_space = ParameterSpace((Parameter("force", "N", 0.0, 20.0),))
+    history = CallHistory({"rise": press})
+    for _ in range(2):
+        history.add(scene, PrimitiveCall("rise", np.array([5.0])))
+    assert history.is_worn_out(scene, PrimitiveCall("rise", np.array([5.9])))
+    assert not history.is_worn_out(scene, PrimitiveCall("rise", np.array([6.1])))
 
 
 def test_another_scene_makes_it_another_call(scene: Scene) -> None:

@@ -57,8 +57,8 @@ class PrimePolicy(Policy):
 
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
         for ever where it changes nothing. Its parameters are the mean of the mixture's weightiest
-        component or, where that is not feasible, the same turned to another good yaw of the object,
-        or the likeliest of some draws from the mixture that is. Where none is, another primitive
+        component or, where that is not feasible, the same turned to another good yaw of the object
+        or to any other, or the likeliest of some draws from the mixture that is. Where none is, another primitive
         is drawn; where no primitive has one, the first mean is returned.
         """
         observation = scene.observation()
