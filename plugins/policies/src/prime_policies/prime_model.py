@@ -58,8 +58,8 @@ class PrimePolicy(Policy):
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
         for ever where it changes nothing. Its parameters are the mean of the mixture's weightiest
         component or, where that is not feasible, the same turned to another good yaw of the object
-        or to any other, or the likeliest of some draws from the mixture that is. Where none is, another primitive
-        is drawn; where no primitive has one, the first mean is returned.
+        or to any other, or the likeliest of some draws from the mixture that is. Where none is,
+        another primitive is drawn; where no primitive has one, the first mean is returned.
         """
         observation = scene.observation()
         frame = Frames(observation[STATE_KEY][None], observation[ENVIRONMENT_STATE_KEY][None])
