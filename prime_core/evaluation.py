@@ -64,9 +64,8 @@ def run_trial(
     """Reset the environment and let the policy act until the task is solved.
 
     A primitive whose call changed nothing is not offered again until something has changed: the
-    same scene would lead to much the same call, for ever. For the same reason a call is feasible
-    only if the arm can do it and it was not made twice before with all things as they are; see
-    `CallHistory`.
+    same scene would lead to much the same call, for ever. A call is feasible if the arm can do it
+    and it was not made twice before with all things as they are (`CallHistory`).
 
     Args:
         environment: Where.
