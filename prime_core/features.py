@@ -30,7 +30,7 @@ class ObjectFeatures:
         held: Of whether it is held.
     """
 
-    position: tuple[int, ...]
+    position: tuple[int, int, int]
     turn: int | None
     held: int
 
@@ -70,7 +70,7 @@ class FeatureEncoder:
         for item in description.objects:
             names, first = _object_names(item), len(self.names)
             turn = first + names.index(f"{item.name}.relative_yaw") if item.yaw_symmetry else None
-            position = tuple(range(first, first + 3))
+            position = (first, first + 1, first + 2)
             self.objects.append(ObjectFeatures(position, turn, first + len(names) - 1))
             self.names += names
 

@@ -3,12 +3,15 @@ import torch
 
 from prime_policies.building import build_parameter_network
 from prime_policies.examples import Source, fingerprint, parameter_source, split
+from prime_policies.line_inputs import LineInputs
 from prime_policies.linear import fit_linear
 from prime_policies.networks import Trunk
 from prime_policies.preparing import fit_lines, measure_inputs, measure_trust
 from prime_policies.settings import NetworkSettings
 
 from .toy_world import SPACE
+
+INPUTS = LineInputs(5, pair=False)
 
 
 def source(count: int = 400) -> Source:
@@ -51,7 +54,7 @@ def test_what_hardly_varies_is_not_blown_up() -> None:
 
 
 def test_a_perceptron_that_says_nothing_true_is_not_trusted() -> None:
-    network = build_parameter_network(NetworkSettings(hidden_sizes=(8,)), 5, False, SPACE)
+    network = build_parameter_network(NetworkSettings(hidden_sizes=(8,)), INPUTS, SPACE)
     ours = source()
     fit_lines(network, ours, SPACE, lambda *data: [fit_linear(*data[:3])], range(5))
     with torch.no_grad():
@@ -61,7 +64,7 @@ def test_a_perceptron_that_says_nothing_true_is_not_trusted() -> None:
 
 
 def test_a_perceptron_that_is_right_is_trusted() -> None:
-    network = build_parameter_network(NetworkSettings(hidden_sizes=(8,)), 5, False, SPACE)
+    network = build_parameter_network(NetworkSettings(hidden_sizes=(8,)), INPUTS, SPACE)
     ours = source()
     batch = ours.batch(torch.arange(400))
     with torch.no_grad():

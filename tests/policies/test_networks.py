@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import torch
 
+from prime_policies.line_inputs import LineInputs
 from prime_policies.linear import LinearFit
 from prime_policies.networks import Classifier, Examples, ParameterNetwork, Trunk
 
@@ -17,7 +18,7 @@ def trunk(pair: bool) -> Trunk:
 
 def parameter_network(pair: bool = True) -> ParameterNetwork:
     mask = torch.tensor([[True, True], [True, False]])
-    periods, inputs = torch.zeros(2, 2), 3 * (1 + pair)
+    periods, inputs = torch.zeros(2, 2), LineInputs(3, pair)
     return ParameterNetwork(trunk(pair), 6, inputs, mask, periods, 5, minimum_deviation=1e-3)
 
 

@@ -6,6 +6,7 @@ import torch
 from torch import nn
 
 from prime_core.idm import PrimitiveSpace
+from prime_policies.line_inputs import LineInputs
 from prime_policies.networks import Classifier, ParameterNetwork, Trunk
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.settings import NetworkSettings
@@ -36,14 +37,14 @@ def build_classifier(
 
 
 def build_parameter_network(
-    settings: NetworkSettings, features: int, pair: bool, space: PrimitiveSpace
+    settings: NetworkSettings, inputs: LineInputs, space: PrimitiveSpace
 ) -> ParameterNetwork:
-    """Build a mixture of parameters given frames or pairs of frames."""
+    """Build a mixture of parameters given what its lines see."""
     codec = ParameterCodec(space)
     return ParameterNetwork(
-        Trunk(features, pair, settings.hidden_sizes, settings.input_noise),
+        Trunk(inputs.features, inputs.pair, settings.hidden_sizes, settings.input_noise),
         settings.hidden_sizes[-1],
-        inputs=(1 + pair) * features,
+        inputs,
         mask=torch.from_numpy(codec.mask),
         periods=torch.from_numpy(codec.periods),
         components=settings.components,

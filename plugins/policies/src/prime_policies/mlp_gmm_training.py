@@ -13,6 +13,7 @@ from prime_core.progress import Progress
 from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
 from prime_policies.examples import Source
+from prime_policies.line_inputs import LineInputs
 from prime_policies.linear import LinearFit, fit_linear
 from prime_policies.mlp_gmm import MlpGmmIdmConfig
 from prime_policies.mlp_gmm_model import MlpGmmIdm
@@ -42,7 +43,7 @@ def fit_idm(
     trainings = TrainingFolder(folder, _identity(card, seed, data), seed, progress, epochs)
     encoder = FeatureEncoder(description)
     features = torch.from_numpy(encoder.encode(data.frames))
-    classifier, parameter_network = _build(config, encoder.width, space, seed)
+    classifier, parameter_network = _build(config, encoder, space, seed)
 
     source = examples.classifier_source(
         features, data.type_pairs, data.type_labels, data.type_weights
@@ -70,22 +71,24 @@ def load_idm(
 ) -> MlpGmmIdm:
     """Load what `fit_idm` left in a folder."""
     check_card(folder, _card(config, description, space))
-    width = FeatureEncoder(description).width
-    classifier, parameter_network = _build(config, width, space, seed=0)
+    encoder = FeatureEncoder(description)
+    classifier, parameter_network = _build(config, encoder, space, seed=0)
     load_weights(classifier, folder / f"{CLASSIFIER}.safetensors")
     load_weights(parameter_network, folder / f"{PARAMETERS}.safetensors")
     return MlpGmmIdm(description, space, classifier, parameter_network)
 
 
 def _build(
-    config: MlpGmmIdmConfig, width: int, space: PrimitiveSpace, seed: int
+    config: MlpGmmIdmConfig, encoder: FeatureEncoder, space: PrimitiveSpace, seed: int
 ) -> tuple[Classifier, ParameterNetwork]:
     classes = len(space.names) + 1
     classifier = building.start_network(
-        lambda: building.build_classifier(config, width, True, classes), seed, CLASSIFIER
+        lambda: building.build_classifier(config, encoder.width, True, classes), seed, CLASSIFIER
     )
+    moving = [item.position[:2] for item in encoder.objects]
+    inputs = LineInputs(encoder.width, pair=True, moving=moving)
     parameter_network = building.start_network(
-        lambda: building.build_parameter_network(config, width, True, space), seed, PARAMETERS
+        lambda: building.build_parameter_network(config, inputs, space), seed, PARAMETERS
     )
     return classifier, parameter_network
 

@@ -11,6 +11,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from prime_policies.line_inputs import LineInputs
 from prime_policies.linear import LinearFit
 from prime_policies.mixture import Mixture, log_density
 
@@ -126,8 +127,8 @@ class Classifier(nn.Module):
 class ParameterNetwork(nn.Module):
     """p(target | frames, primitive): a mixture around linear functions of the frames.
 
-    Each component of a primitive has a line that is fitted before training and sees the features
-    as they are, without noise; the perceptron learns what it leaves over, in units of its spread.
+    Each component of a primitive has a line that is fitted before training and sees `inputs`
+    of the frames, without noise; the perceptron learns what it leaves over, in units of its spread.
     A target that simply is where the gripper ends is thus exact from the first step. Where a
     primitive can be about one object or another, each has components of its own, and the
     perceptron learns which to choose, among those whose line is for where the frames are: its gate
@@ -138,7 +139,7 @@ class ParameterNetwork(nn.Module):
     Args:
         trunk: Of the perceptron.
         hidden: Width of the trunk's last layer.
-        inputs: Number of features of all frames seen at once.
+        inputs: What the lines see of frames.
         mask: Which parameters a primitive has, ``(primitives, D)`` bool.
         periods: Of targets, ``(primitives, D)``; 0 for none.
         components: Of the mixture.
@@ -159,7 +160,7 @@ class ParameterNetwork(nn.Module):
         self,
         trunk: Trunk,
         hidden: int,
-        inputs: int,
+        inputs: LineInputs,
         mask: Tensor,
         periods: Tensor,
         components: int,
@@ -168,14 +169,15 @@ class ParameterNetwork(nn.Module):
         super().__init__()
         primitives, width = mask.shape
         self.trunk = trunk
+        self.inputs = inputs
         self._shape = (primitives, components, width)
         self.minimum_deviation = minimum_deviation
         self.head = nn.Linear(hidden, primitives * components * (1 + 2 * width))
         self._start_head()
-        self.register_buffer("weight", torch.zeros(*self._shape, inputs))
+        self.register_buffer("weight", torch.zeros(*self._shape, inputs.width))
         self.register_buffer("bias", torch.zeros(self._shape))
         self.register_buffer("spread", torch.ones(self._shape))
-        self.register_buffer("gate", torch.zeros(primitives, components, inputs))
+        self.register_buffer("gate", torch.zeros(primitives, components, inputs.width))
         self.register_buffer("gate_value", torch.zeros(primitives, components))
         self.register_buffer("trust", torch.ones(primitives, width))
         self.register_buffer("active", torch.ones(components), persistent=False)
@@ -246,13 +248,14 @@ class ParameterNetwork(nn.Module):
         outputs = self.head(self.trunk(frames, generator))
         outputs = outputs.view(-1, primitives, components, 1 + 2 * width)[rows, labels]
         # All primitives' lines in one product: choosing their weights first would copy them.
-        lines = frames.flatten(1) @ self.weight.flatten(0, 2).T
+        inputs = self.inputs(frames)
+        lines = inputs @ self.weight.flatten(0, 2).T
         lines = lines.view(-1, *self._shape)[rows, labels] + self.bias[labels]
         spread = self.spread[labels]
         means = lines + spread * trust[labels][:, None] * outputs[:, :, 1 : 1 + width]
         deviations = spread * functional.softplus(outputs[:, :, 1 + width :])
         deviations = deviations + self.minimum_deviation
-        usable = self._usable(frames.flatten(1), labels)
+        usable = self._usable(inputs, labels)
         logits = outputs[:, :, 0].masked_fill(~usable, -torch.inf)
         return Mixture(logits, means, deviations, self.mask[labels], self.periods[labels])
 
@@ -262,7 +265,7 @@ class ParameterNetwork(nn.Module):
         Where none is, as with something held that never was before, all active ones are.
 
         Args:
-            inputs: Features of all frames, ``(n, inputs)``.
+            inputs: What the lines see, ``(n, inputs)``.
             labels: ``(n,)``.
 
         Returns:

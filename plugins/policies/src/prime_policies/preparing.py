@@ -65,7 +65,8 @@ def fit_lines(
         if not len(rows):
             continue
         batch, own = source.batch(rows), slice(len(parameters))
-        inputs, outputs = batch.frames.flatten(1).double(), batch.targets[:, own].double()
+        inputs = network.inputs(batch.frames).double()
+        outputs = batch.targets[:, own].double()
         scales = units[primitive, own], periods[primitive, own]
         network.set_lines(primitive, fit(inputs, outputs, *scales), components)
 

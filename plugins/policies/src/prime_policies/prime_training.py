@@ -18,6 +18,7 @@ from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
 from prime_policies.copies import CopiedFeatures, fit_copies
 from prime_policies.examples import Source
+from prime_policies.line_inputs import LineInputs
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.prime import PrimePolicyConfig
@@ -166,8 +167,9 @@ def _build(
     classifier = building.start_network(
         lambda: building.build_classifier(config, width, False, len(space.names)), seed, CLASSIFIER
     )
+    inputs = LineInputs(width, pair=False)
     parameter_network = building.start_network(
-        lambda: building.build_parameter_network(config, width, False, space), seed, PARAMETERS
+        lambda: building.build_parameter_network(config, inputs, space), seed, PARAMETERS
     )
     return classifier, parameter_network
 
