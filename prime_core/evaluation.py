@@ -42,7 +42,7 @@ class Trial:
 
     Attributes:
         success: Whether the task was solved.
-        steps: Motor actions done.
+        steps: Motor actions done; a primitive that ends at once counts as one.
         calls: The primitive calls made.
         completed: For each call, whether the primitive did what it is for.
     """

@@ -238,6 +238,8 @@ def test_either_small_box_may_be_taken_first_if_they_lie_apart(share: float) -> 
 def test_a_range_must_be_in_order() -> None:
     with pytest.raises(ValidationError, match=r"0 <= low <= high; found \[0.3, 0.1\]"):
         SimulatedTeleoperatorConfig(speed=(0.3, 0.1))
+    with pytest.raises(ValidationError, match=r"0 <= low <= high; found \[500, 150\]"):
+        SimulatedTeleoperatorConfig(steps=(500, 150))
 
 
 def test_more_than_all_movements_cannot_flow() -> None:

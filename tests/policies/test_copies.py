@@ -132,3 +132,12 @@ def test_what_gathers_about_the_wrap_of_an_angle_gathers_about_one_value() -> No
     assert float(fit.weight[0, 0]) == pytest.approx(-2.0, abs=0.05)
     assert abs(float(fit.bias[0])) == pytest.approx(1.0, abs=0.05)
     assert float(fit.spread[0]) < 0.03
+
+
+def test_of_many_things_that_are_held_as_often_one_has_a_line() -> None:
+    inputs, _ = draws(100, columns=25)
+    inputs[:] = torch.eye(25, dtype=torch.float64).repeat(4, 1)
+    outputs = torch.full((100, 1), 0.3, dtype=torch.float64)
+    meanings = features(group(25), held=tuple(range(25)))
+    lines = fit_copies(inputs, outputs, UNITS, NONE, meanings, 5)
+    assert [float(line.bias[0]) for line in lines] == pytest.approx([0.3])

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from prime_core.checks import check_primitive
 from prime_core.environment import Environment
@@ -129,3 +130,19 @@ def test_a_cube_is_pushed_along(table: Environment) -> None:
         tried += 1
         succeeded += primitive.succeeded(execution.scenes, drawn)
     assert succeeded >= 0.5 * tried
+
+
+def test_a_setting_without_sense_is_refused() -> None:
+    with pytest.raises(ValidationError, match=r"least <= greatest; found \[0.4, 0.14\]"):
+        PushConfig(length=(0.4, 0.14))
+    with pytest.raises(ValidationError, match="greater than or equal to 0"):
+        PushConfig(position_std=(-0.01, 0.0, 0.0))
+    with pytest.raises(ValidationError, match="greater than or equal to 0"):
+        PushConfig(yaw_std=-0.1)
+
+
+def test_a_push_with_an_end_outside_of_the_workspace_is_refused() -> None:
+    outside = CALL.copy()
+    outside[5] = -0.3
+    assert push.reachable(scene_at(CALL[:3]), CALL)
+    assert not push.reachable(scene_at(CALL[:3]), outside)

@@ -26,7 +26,7 @@ MOTION = ("speed", "pause", "bow", "aim", "yaw_aim", "overshoot", "noise", "hove
 HABITS = ("ramp", "turn_speed", "flow")
 
 
-def _ordered(value: tuple[float, float]) -> tuple[float, float]:
+def _ordered[Number: float](value: tuple[Number, Number]) -> tuple[Number, Number]:
     if not 0 <= value[0] <= value[1]:
         raise ValueError(f"a range is two numbers, 0 <= low <= high; found {list(value)}")
     return value
@@ -45,6 +45,7 @@ def _at_most_one(value: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
+Steps = Annotated[tuple[PositiveInt, PositiveInt], AfterValidator(_ordered)]
 Above = Annotated[Range, AfterValidator(_above_zero)]
 Shares = Annotated[Range, AfterValidator(_at_most_one)]
 
@@ -108,7 +109,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     """Share of demonstrations in which the things to take are taken in the opposite order, if they
     lie so far from each other that none is knocked over."""
 
-    steps: tuple[PositiveInt, PositiveInt] = (150, 500)
+    steps: Steps = (150, 500)
     """Least and greatest number of motor actions."""
 
     attempts: PositiveInt = 20

@@ -108,10 +108,12 @@ def fit_copies(
 
 
 def _often(values: Tensor) -> Tensor:
-    """Return which values ``(n,)`` are frequent, the most frequent one first."""
+    """Return which values ``(n,)`` are frequent, the most frequent one first and in any case."""
     different, counts = values.unique(return_counts=True)
     order = counts.argsort(descending=True, stable=True)
-    return different[order[counts[order] >= LEAST_SHARE * len(values)]]
+    frequent = counts[order] >= LEAST_SHARE * len(values)
+    frequent[:1] = True
+    return different[order[frequent]]
 
 
 def _gather(copies: "_Copies", features: CopiedFeatures, maximum: int) -> list[LinearFit]:

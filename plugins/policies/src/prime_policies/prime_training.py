@@ -156,7 +156,7 @@ class _PolicyTrainer:
     def _mixed(self, sources: list[Source]) -> list[tuple[Source, int]]:
         """Return how many examples of a fine-tuning batch come from each source."""
         size = self._config.batch_size
-        from_rollouts = round(size * self._config.rollout_share) if self._pretrained else 0
+        from_rollouts = int(size * self._config.rollout_share) if self._pretrained else 0
         batches = [(sources[-1], size - from_rollouts)]
         return [*batches, (sources[0], from_rollouts)] if from_rollouts else batches
 

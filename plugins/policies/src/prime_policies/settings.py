@@ -1,6 +1,6 @@
 """Settings that all networks share."""
 
-from pydantic import Field
+from pydantic import Field, PositiveInt
 
 from prime_core.configuration import Config
 
@@ -8,7 +8,7 @@ from prime_core.configuration import Config
 class NetworkSettings(Config):
     """How large the networks are, and how a step of their training goes."""
 
-    hidden_sizes: tuple[int, ...] = Field((256, 256), min_length=1)
+    hidden_sizes: tuple[PositiveInt, ...] = Field((256, 256), min_length=1)
     """Widths of the hidden layers. (1024, 1024), as in the paper, was no better on states."""
     components: int = Field(5, ge=1)
     """Gaussians in a mixture of parameters."""

@@ -44,7 +44,9 @@ def turned_calls(
 def calls_at_any_yaw(call: PrimitiveCall, space: ParameterSpace) -> Iterator[PrimitiveCall]:
     """Yield a call at other yaws, ever farther from its own.
 
-    A box next to a wall can be gripped at its corners, and pushed with the hand's thin side.
+    A box next to a wall can be gripped at its corners, and pushed with a side of the hand. Up to
+    five twelfths of a period either way are tried. The gripper turns about itself: what it holds
+    off its centre ends up elsewhere.
 
     Args:
         call: Has a parameter yaw [rad], or nothing is yielded.

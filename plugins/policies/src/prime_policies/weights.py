@@ -18,6 +18,7 @@ from prime_core.idm import PrimitiveSpace
 from prime_core.scene import SceneDescription
 
 CARD = "model.yaml"
+FORMAT = 2  # rises when networks see or mean something else
 
 Card = dict[str, Any]
 
@@ -44,7 +45,7 @@ def make_card(
     }
     return {
         "kind": kind,
-        "format": 1,
+        "format": FORMAT,
         "settings": settings,
         # Their order is part of what the weights mean.
         "object_order": list(objects),

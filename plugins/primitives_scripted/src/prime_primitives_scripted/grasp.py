@@ -8,13 +8,13 @@ from prime_core.primitive import Motion
 from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
-from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
 
 
 class GraspConfig(ScriptedConfig):
     """Settings of the primitive grasp."""
 
-    position_std: tuple[float, float, float] = (0.001, 0.001, 0.001)
+    position_std: Deviations = (0.001, 0.001, 0.001)
     """Standard deviations of the parameter prior in x, y, z [m]."""
     closing_steps: PositiveInt = 10
     """Motor actions that the gripper takes to close."""

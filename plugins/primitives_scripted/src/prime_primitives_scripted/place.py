@@ -10,7 +10,7 @@ from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted.goal import jaw_distance, plane_distance
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
-from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
 
 LETTING_GO = 4  # motor actions of opening after which the object is free
 OPENED = 0.004  # [m] that the gripper opens by at the least when it lets go
@@ -19,7 +19,7 @@ OPENED = 0.004  # [m] that the gripper opens by at the least when it lets go
 class PlaceConfig(ScriptedConfig):
     """Settings of the primitive place."""
 
-    position_std: tuple[float, float, float] = (0.01, 0.01, 0.1)
+    position_std: Deviations = (0.01, 0.01, 0.1)
     """Standard deviations of the parameter prior in x, y, z [m]."""
     opening_steps: PositiveInt = 10
     """Motor actions that the gripper takes to open."""

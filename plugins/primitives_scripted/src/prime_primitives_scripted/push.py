@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import PositiveFloat, PositiveInt
+from pydantic import PositiveFloat, PositiveInt, field_validator
 
 from prime_core.primitive import Motion
 from prime_core.primitive_calls import Parameter, ParameterSpace
@@ -12,7 +12,7 @@ from prime_primitives_scripted import prior
 from prime_primitives_scripted.goal import distance
 from prime_primitives_scripted.mover import CLOSE, Mover
 from prime_primitives_scripted.phases import at_most, settle
-from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
 
 GREATEST_DISPLACEMENT = (0.4, 0.4, 0.01)  # [m] (paper's release)
 
@@ -20,7 +20,7 @@ GREATEST_DISPLACEMENT = (0.4, 0.4, 0.01)  # [m] (paper's release)
 class PushConfig(ScriptedConfig):
     """Settings of the primitive push."""
 
-    position_std: tuple[float, float, float] = (0.01, 0.01, 0.005)
+    position_std: Deviations = (0.01, 0.01, 0.005)
     """Standard deviations of the prior of where a push starts in x, y, z [m].
 
     Affordances say where around an object a push starts, clear of it; the release draws 0.1 m about
@@ -28,7 +28,7 @@ class PushConfig(ScriptedConfig):
     wide draws, inverse dynamics models put starts on top of the object."""
     direction_std: PositiveFloat = 0.2
     """Standard deviation of a push's direction about the one towards the object's centre [rad]."""
-    length: tuple[float, float] = (0.14, 0.4)
+    length: tuple[PositiveFloat, PositiveFloat] = (0.14, 0.4)
     """Least and greatest length of a push that the prior draws [m]; shorter ones hardly move what
     they start a few centimetres from."""
     position_tolerance: PositiveFloat = 0.015
@@ -39,6 +39,13 @@ class PushConfig(ScriptedConfig):
     """How far its direction may differ from the gripper's [rad]."""
     pushing_steps: PositiveInt = 50
     """Motor actions that the push itself may take."""
+
+    @field_validator("length")
+    @classmethod
+    def _is_in_order(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if value[0] > value[1]:
+            raise ValueError(f"lengths are two numbers, least <= greatest; found {list(value)}")
+        return value
 
     def build(self, description: SceneDescription) -> "Push":
         """Make the primitive; see `PrimitiveConfig`."""

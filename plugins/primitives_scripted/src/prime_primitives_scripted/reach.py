@@ -8,13 +8,13 @@ from pydantic import NonNegativeFloat
 from prime_core.primitive import Motion
 from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
-from prime_primitives_scripted.scripted import Array, ScriptedConfig, ScriptedPrimitive
+from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
 
 
 class ReachConfig(ScriptedConfig):
     """Settings of the primitive reach."""
 
-    position_std: tuple[float, float, float] = (0.005, 0.005, 0.01)
+    position_std: Deviations = (0.005, 0.005, 0.01)
     """Standard deviations of the parameter prior in x, y, z [m]."""
     closed_below: NonNegativeFloat = 0.04
     """Opening below which an empty gripper counts as closed, and is kept closed [m]."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import PositiveFloat, PositiveInt
+from pydantic import NonNegativeFloat, PositiveFloat, PositiveInt
 
 from prime_core.primitive import Primitive, PrimitiveConfig
 from prime_core.primitive_calls import Parameter, ParameterSpace
@@ -23,15 +23,18 @@ from prime_primitives_scripted.servo import make_servo
 
 Array = NDArray[np.float64]
 
+type Deviations = tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat]
+"""Standard deviations in x, y, z [m]."""
+
 
 class ScriptedConfig(PrimitiveConfig):
     """Settings of a scripted primitive."""
 
     inverse_kinematics: bool = True
     """Whether to move within the limits of the arm; False steers by the gripper's pose alone."""
-    position_std: tuple[float, float, float]
+    position_std: Deviations
     """Standard deviations of the parameter prior in x, y, z [m]."""
-    yaw_std: float = 0.05
+    yaw_std: NonNegativeFloat = 0.05
     """Standard deviation of the parameter prior in yaw [rad]."""
     position_tolerance: PositiveFloat = 0.01
     """How far from its position parameters it may end [m]."""
