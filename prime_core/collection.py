@@ -14,6 +14,7 @@ from prime_core.execution import Execution, run_actions, run_primitive, settle
 from prime_core.idm import PrimitiveSpace
 from prime_core.primitive import Primitive
 from prime_core.primitive_calls import Array
+from prime_core.ranges import StepRange
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene
 
 
@@ -31,7 +32,7 @@ class CollectionConfig(Config):
     """Primitives and runs of motor actions in an episode."""
     atomic_share: float = Field(0.5, ge=0, le=1)
     """Share of draws that are runs of random motor actions."""
-    atomic_steps: tuple[int, int] = (20, 60)
+    atomic_steps: StepRange = (20, 60)
     """Least and greatest length of such a run."""
     prior_share: float = Field(0.9, ge=0, le=1)
     """Share of parameter draws from the primitives' priors; the others are uniform."""
@@ -42,7 +43,7 @@ class CollectionConfig(Config):
     fewer than the release's 10: after a failed grasp the object mostly lies out of reach of one."""
     other_pairs: int = Field(60, ge=0)
     """Pairs of `other` drawn in each episode (paper: K)."""
-    other_steps: tuple[int, int] = (5, 200)
+    other_steps: StepRange = (5, 200)
     """Least and greatest length of such a pair: the parser's limits."""
 
     @property

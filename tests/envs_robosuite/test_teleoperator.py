@@ -1,6 +1,7 @@
 """The simulated people do the tasks, and not as a primitive would."""
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -97,8 +98,8 @@ def test_the_object_is_lowered_and_not_dropped(milk_shown: list[Demonstration]) 
 
 
 @pytest.mark.parametrize("kind", ["round", "square"])
-def test_a_nut_ends_around_its_peg_let_go_of(kind: str) -> None:
-    settings = NutAssemblyConfig(nut=kind)  # type: ignore[arg-type]
+def test_a_nut_ends_around_its_peg_let_go_of(kind: Literal["round", "square"]) -> None:
+    settings = NutAssemblyConfig(nut=kind)
     environment = settings.build()
     for index in range(2):
         shown = PEOPLE.demonstrate(settings, index, SEED)

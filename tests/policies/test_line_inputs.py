@@ -1,7 +1,10 @@
 import torch
 
+from prime_core.features import FeatureEncoder
 from prime_policies.line_inputs import LineInputs
 from prime_policies.linear import fit_linear
+
+from .toy_world import DESCRIPTION
 
 
 def test_lines_see_the_frames_and_which_way_objects_moved() -> None:
@@ -16,10 +19,11 @@ def test_lines_see_the_frames_and_which_way_objects_moved() -> None:
 
 
 def test_a_single_frame_is_seen_as_it_is() -> None:
-    inputs = LineInputs(5, pair=False, moving=[(1, 2)])
-    frames = torch.randn(4, 1, 5, generator=torch.Generator().manual_seed(0))
+    encoder = FeatureEncoder(DESCRIPTION)
+    inputs = LineInputs.of(encoder, pair=False)
+    frames = torch.randn(4, 1, encoder.width, generator=torch.Generator().manual_seed(0))
     assert torch.equal(inputs(frames), frames[:, 0])
-    assert inputs.width == 5
+    assert inputs.width == encoder.width
 
 
 def test_a_line_tells_where_a_push_started() -> None:

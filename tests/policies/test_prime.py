@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from torch import Tensor
 
 from prime_core.errors import PrimeError
 from prime_core.policy import Policy, PolicyData
@@ -11,6 +12,7 @@ from prime_core.primitive_calls import PrimitiveCall
 from prime_core.progress import no_progress
 from prime_core.rotations import wrap_angle
 from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene
+from prime_policies.examples import Source
 from prime_policies.prime import PrimePolicyConfig
 
 from .toy_world import BIN, DESCRIPTION, SPACE, World, demonstrations, policy_data, rollouts
@@ -258,6 +260,21 @@ def test_rollouts_may_be_mixed_into_fine_tuning(
 ) -> None:
     mixed = BRIEF.model_copy(update={"rollout_share": 0.25})
     assert contents(fit(tmp_path, explored, shown, config=mixed)) != whole
+
+
+def test_demonstrations_keep_a_place_in_every_batch(
+    tmp_path: Path, explored: PolicyData, shown: PolicyData, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts: list[int] = []
+    draws = Source.draws
+
+    def counted(source: Source, generator: np.random.Generator, count: int) -> Tensor:
+        counts.append(count)
+        return draws(source, generator, count)
+
+    monkeypatch.setattr(Source, "draws", counted)
+    fit(tmp_path, explored, shown, config=BRIEF.model_copy(update={"rollout_share": 0.999}))
+    assert min(counts) > 0
 
 
 def test_it_trains_without_rollouts(tmp_path: Path, shown: PolicyData) -> None:

@@ -95,6 +95,16 @@ class World:
         self._record()
         self.calls.append((start, len(self._states) - 1, primitive, parameters))
 
+    def push(self) -> None:
+        """Push the carton; the parameters are where behind it that starts, 5 cm from its centre."""
+        start, draw = len(self._states) - 1, self.generator.uniform
+        angle = draw(-np.pi, np.pi)
+        way = np.array([np.cos(angle), np.sin(angle), 0.0])
+        begin = self.carton - 0.05 * way
+        self.carton = self.carton + draw(0.1, 0.3) * way
+        self._move(self.carton + np.array([0.0, 0.0, 0.1]))  # says nothing about the way
+        self.calls.append((start, len(self._states) - 1, REACH, np.append(begin, self.yaw)))
+
     def frames(self) -> Frames:
         return Frames(np.array(self._states, np.float32), np.array(self._objects, np.float32))
 
@@ -119,6 +129,15 @@ def rollouts(seed: int, episodes: int, noise: float = 1e-3) -> World:
         world.reset()
         for _ in range(10):
             world.random_call()
+    return world
+
+
+def pushes(seed: int, count: int) -> World:
+    """Return a world after pushes, one in each episode."""
+    world = World(np.random.default_rng(seed))
+    for _ in range(count):
+        world.reset()
+        world.push()
     return world
 
 

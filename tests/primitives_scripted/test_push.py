@@ -133,7 +133,7 @@ def test_a_cube_is_pushed_along(table: Environment) -> None:
 
 
 def test_a_setting_without_sense_is_refused() -> None:
-    with pytest.raises(ValidationError, match=r"least <= greatest; found \[0.4, 0.14\]"):
+    with pytest.raises(ValidationError, match=r"0 <= low <= high; found \[0.4, 0.14\]"):
         PushConfig(length=(0.4, 0.14))
     with pytest.raises(ValidationError, match="greater than or equal to 0"):
         PushConfig(position_std=(-0.01, 0.0, 0.0))

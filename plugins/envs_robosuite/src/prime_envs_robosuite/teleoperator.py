@@ -10,6 +10,7 @@ from pydantic import AfterValidator, Field, PositiveFloat, PositiveInt
 from prime_core.demonstration import Demonstration, DemonstratorConfig
 from prime_core.environment import EnvironmentConfig
 from prime_core.errors import PrimeError
+from prime_core.ranges import PositiveRange, Range, StepRange
 from prime_core.scene import Scene
 from prime_envs_robosuite.jobs import Job, in_opposite_order
 from prime_envs_robosuite.teleoperator_choices import are_apart
@@ -26,27 +27,12 @@ MOTION = ("speed", "pause", "bow", "aim", "yaw_aim", "overshoot", "noise", "hove
 HABITS = ("ramp", "turn_speed", "flow")
 
 
-def _ordered[Number: float](value: tuple[Number, Number]) -> tuple[Number, Number]:
-    if not 0 <= value[0] <= value[1]:
-        raise ValueError(f"a range is two numbers, 0 <= low <= high; found {list(value)}")
-    return value
-
-
-def _above_zero(value: tuple[float, float]) -> tuple[float, float]:
-    if value[0] <= 0:
-        raise ValueError(f"speeds and times to reach them are above 0; found {list(value)}")
-    return value
-
-
 def _at_most_one(value: tuple[float, float]) -> tuple[float, float]:
     if value[1] > 1:
         raise ValueError(f"shares are at most 1; found {list(value)}")
     return value
 
 
-Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
-Steps = Annotated[tuple[PositiveInt, PositiveInt], AfterValidator(_ordered)]
-Above = Annotated[Range, AfterValidator(_above_zero)]
 Shares = Annotated[Range, AfterValidator(_at_most_one)]
 
 
@@ -60,7 +46,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     count: PositiveInt = 30
     """How many demonstrations there are."""
 
-    speed: Above = (0.14, 0.24)
+    speed: PositiveRange = (0.14, 0.24)
     """Mean speed of long movements [m/s]."""
 
     pause: Range = (0.3, 0.8)
@@ -84,10 +70,10 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     hover: Range = (0.06, 0.12)
     """Height above a grasp at which the approach ends [m]."""
 
-    ramp: Above = (0.6, 0.6)
+    ramp: PositiveRange = (0.6, 0.6)
     """Time in which long movements reach their speed [s]."""
 
-    turn_speed: Above = (0.9, 0.9)
+    turn_speed: PositiveRange = (0.9, 0.9)
     """Mean speed of turning [rad/s]."""
 
     flow: Shares = (0.0, 0.0)
@@ -109,7 +95,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     """Share of demonstrations in which the things to take are taken in the opposite order, if they
     lie so far from each other that none is knocked over."""
 
-    steps: Steps = (150, 500)
+    steps: StepRange = (150, 500)
     """Least and greatest number of motor actions."""
 
     attempts: PositiveInt = 20

@@ -108,7 +108,7 @@ def fit_copies(
 
 
 def _often(values: Tensor) -> Tensor:
-    """Return which values ``(n,)`` are frequent, the most frequent one first and in any case."""
+    """Return which values ``(n,)`` are frequent, the most frequent one always, and first."""
     different, counts = values.unique(return_counts=True)
     order = counts.argsort(descending=True, stable=True)
     frequent = counts[order] >= LEAST_SHARE * len(values)

@@ -1,23 +1,27 @@
 """What the lines of a parameter network see of frames."""
 
 from collections.abc import Sequence
+from typing import Self
 
 import torch
 from torch import Tensor
+
+from prime_core.features import FeatureEncoder
 
 LEAST_MOVE = 0.01  # [m] far below it an object has not moved, and no direction is its own
 
 
 class LineInputs:
-    """The features of the frames as they are, end to end, and how objects moved in between.
+    """The features of frames as they are and, of a pair, which way each object moved in between.
 
-    Which way an object moved, as a unit vector, follows from its positions, but not by a line;
-    where a push started does by a line from this vector: behind the object, seen that way.
+    The direction of a move follows from positions, but not by a line. Where a push started does
+    follow from the direction by a line: behind the object, seen that way.
 
     Args:
         features: Number of features of a frame.
-        pair: Whether pairs of frames are seen; in a single one nothing moves.
-        moving: The numbers of x and y [m] of each object among the features.
+        pair: Whether pairs of frames are seen.
+        moving: The numbers of x and y [m] of each object among the features; empty for single
+            frames, in which nothing moves.
 
     Attributes:
         features: Number of features of a frame.
@@ -27,17 +31,29 @@ class LineInputs:
 
     def __init__(self, features: int, pair: bool, moving: Sequence[tuple[int, int]] = ()) -> None:
         self.features, self.pair = features, pair
-        self._moving = torch.tensor(moving if pair else (), dtype=torch.int64).reshape(-1, 2)
+        self._moving = torch.tensor(moving, dtype=torch.int64).reshape(-1, 2)
         self.width = (1 + pair) * features + self._moving.numel()
 
-    def __call__(self, frames: Tensor) -> Tensor:
-        """Return what lines see of frames ``(n, 1 or 2, features)``, ``(n, width)``.
+    @classmethod
+    def of(cls, encoder: FeatureEncoder, pair: bool) -> Self:
+        """Return those of frames, or of pairs of frames, that an encoder has encoded."""
+        moving = [item.position[:2] for item in encoder.objects] if pair else []
+        return cls(encoder.width, pair, moving)
 
-        The vectors are of length 0 for objects at rest, 0.7 for a move of a centimetre, and
-        near 1 beyond.
+    def __call__(self, frames: Tensor) -> Tensor:
+        """Return what lines see of frames.
+
+        Args:
+            frames: Features in their units, world frame, ``(n, 1 or 2, features)``.
+
+        Returns:
+            ``(n, width)``: the features end to end and, of a pair, for each object the direction
+            of its move over the ground, x and y in the world frame. Its length is 0 at rest, 0.7
+            for a move of a centimetre, and near 1 beyond.
         """
-        if not self._moving.numel():
-            return frames.flatten(1)
+        seen = frames.flatten(1)
+        if not self.pair:
+            return seen
         moves = frames[:, 1, self._moving] - frames[:, 0, self._moving]
         lengths = (moves.square().sum(dim=-1, keepdim=True) + LEAST_MOVE**2).sqrt()
-        return torch.cat((frames.flatten(1), (moves / lengths).flatten(1)), dim=1)
+        return torch.cat((seen, (moves / lengths).flatten(1)), dim=1)

@@ -85,17 +85,11 @@ def _build(
     classifier = building.start_network(
         lambda: building.build_classifier(config, encoder.width, True, classes), seed, CLASSIFIER
     )
-    inputs = line_inputs(encoder)
+    inputs = LineInputs.of(encoder, pair=True)
     parameter_network = building.start_network(
         lambda: building.build_parameter_network(config, inputs, space), seed, PARAMETERS
     )
     return classifier, parameter_network
-
-
-def line_inputs(encoder: FeatureEncoder) -> LineInputs:
-    """Return what lines see of pairs of frames with an encoder's features."""
-    moving = [item.position[:2] for item in encoder.objects]
-    return LineInputs(encoder.width, pair=True, moving=moving)
 
 
 def _parameter_source(features: torch.Tensor, data: PairData, space: PrimitiveSpace) -> Source:

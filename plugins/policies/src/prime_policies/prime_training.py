@@ -59,7 +59,7 @@ def fit_policy(
     trainer = _PolicyTrainer(config, trainings, pretrained)
     encoder = FeatureEncoder(description)
     features = [torch.from_numpy(encoder.encode(part.frames)) for part in data]
-    classifier, parameter_network = _build(config, encoder.width, space, seed)
+    classifier, parameter_network = _build(config, encoder, space, seed)
 
     pairs = list(zip(data, features, strict=True))
     sources = [_type_source(part, encoded) for part, encoded in pairs]
@@ -91,8 +91,8 @@ def load_policy(
 ) -> PrimePolicy:
     """Load a checkpoint that `fit_policy` left."""
     check_card(checkpoint, make_card(KIND, config.model_dump(mode="json"), description, space))
-    width = FeatureEncoder(description).width
-    classifier, parameter_network = _build(config, width, space, seed=0)
+    encoder = FeatureEncoder(description)
+    classifier, parameter_network = _build(config, encoder, space, seed=0)
     load_weights(classifier, checkpoint / f"{CLASSIFIER}.safetensors")
     load_weights(parameter_network, checkpoint / f"{PARAMETERS}.safetensors")
     return PrimePolicy(description, space, classifier, parameter_network)
@@ -154,20 +154,25 @@ class _PolicyTrainer:
         return Schedule(config.finetuning_epochs, steps, rate, config.weight_decay)
 
     def _mixed(self, sources: list[Source]) -> list[tuple[Source, int]]:
-        """Return how many examples of a fine-tuning batch come from each source."""
+        """Return how many examples of a fine-tuning batch come from each source.
+
+        One at least comes from the demonstrations.
+        """
         size = self._config.batch_size
-        from_rollouts = int(size * self._config.rollout_share) if self._pretrained else 0
+        share = self._config.rollout_share if self._pretrained else 0.0
+        from_rollouts = min(round(size * share), size - 1)
         batches = [(sources[-1], size - from_rollouts)]
         return [*batches, (sources[0], from_rollouts)] if from_rollouts else batches
 
 
 def _build(
-    config: PrimePolicyConfig, width: int, space: PrimitiveSpace, seed: int
+    config: PrimePolicyConfig, encoder: FeatureEncoder, space: PrimitiveSpace, seed: int
 ) -> tuple[Classifier, ParameterNetwork]:
+    classes = len(space.names)
     classifier = building.start_network(
-        lambda: building.build_classifier(config, width, False, len(space.names)), seed, CLASSIFIER
+        lambda: building.build_classifier(config, encoder.width, False, classes), seed, CLASSIFIER
     )
-    inputs = LineInputs(width, pair=False)
+    inputs = LineInputs.of(encoder, pair=False)
     parameter_network = building.start_network(
         lambda: building.build_parameter_network(config, inputs, space), seed, PARAMETERS
     )

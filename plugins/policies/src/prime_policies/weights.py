@@ -18,7 +18,7 @@ from prime_core.idm import PrimitiveSpace
 from prime_core.scene import SceneDescription
 
 CARD = "model.yaml"
-FORMAT = 2  # rises when networks see or mean something else
+FORMAT = 2  # of the weights; rises with a change that makes older ones mean something else
 
 Card = dict[str, Any]
 

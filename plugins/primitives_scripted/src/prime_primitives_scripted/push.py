@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import PositiveFloat, PositiveInt, field_validator
+from pydantic import PositiveFloat, PositiveInt
 
 from prime_core.primitive import Motion
 from prime_core.primitive_calls import Parameter, ParameterSpace
+from prime_core.ranges import PositiveRange
 from prime_core.scene import Affordance, Scene, SceneDescription
 from prime_primitives_scripted import prior
 from prime_primitives_scripted.goal import distance
@@ -28,7 +29,7 @@ class PushConfig(ScriptedConfig):
     wide draws, inverse dynamics models put starts on top of the object."""
     direction_std: PositiveFloat = 0.2
     """Standard deviation of a push's direction about the one towards the object's centre [rad]."""
-    length: tuple[PositiveFloat, PositiveFloat] = (0.14, 0.4)
+    length: PositiveRange = (0.14, 0.4)
     """Least and greatest length of a push that the prior draws [m]; shorter ones hardly move what
     they start a few centimetres from."""
     position_tolerance: PositiveFloat = 0.015
@@ -39,13 +40,6 @@ class PushConfig(ScriptedConfig):
     """How far its direction may differ from the gripper's [rad]."""
     pushing_steps: PositiveInt = 50
     """Motor actions that the push itself may take."""
-
-    @field_validator("length")
-    @classmethod
-    def _is_in_order(cls, value: tuple[float, float]) -> tuple[float, float]:
-        if value[0] > value[1]:
-            raise ValueError(f"lengths are two numbers, least <= greatest; found {list(value)}")
-        return value
 
     def build(self, description: SceneDescription) -> "Push":
         """Make the primitive; see `PrimitiveConfig`."""
