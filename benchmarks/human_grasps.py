@@ -11,10 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from prime_core.demonstration import Demonstration
-from prime_core.lerobot_dataset import read_dataset
-from prime_core.primitive_calls import Segment
-from prime_core.scene import OBJECT_WIDTH
+from prime_core.contracts.demonstration import Demonstration, Segment
+from prime_core.contracts.observations import OBJECT_WIDTH
+from prime_core.datasets.read import read_dataset
 
 LASTING = 10  # frames
 EARLY = 20  # frames by which a segment may end before the real grasp: a second

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from prime_core.environment import Environment
-from prime_core.execution import run_primitive, settle
+from prime_core.contracts.environment import Environment
+from prime_core.execution.motions import run_primitive, settle
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_primitives_scripted.reach import ReachConfig
 

@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.collection import CollectionConfig, collect_episode
-from prime_core.idm import PrimitiveSpace
+from prime_core.collection.episode import collect_episode
+from prime_core.collection.settings import CollectionConfig
+from prime_core.contracts.calls import PrimitiveSpace
 from prime_envs_robosuite.adapter import quiet_robosuite
 from prime_envs_robosuite.config import (
     CleanUpConfig,

@@ -15,9 +15,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.environment import Environment, EnvironmentConfig
-from prime_core.execution import settle
-from prime_core.plugins import load_plugins
+from prime_core.contracts.environment import Environment, EnvironmentConfig
+from prime_core.execution.motions import settle
+from prime_core.registry.loading import load_plugins
 
 CAMERAS = ("agentview", "wrist")
 SHEETS_ACROSS = 2

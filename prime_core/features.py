@@ -10,9 +10,9 @@ from math import lcm
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.frames import Frames
+from prime_core.contracts.description import ObjectDescription, SceneDescription
+from prime_core.contracts.observations import OBJECT_WIDTH, Frames
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_core.scene import OBJECT_WIDTH, ObjectDescription, SceneDescription
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,12 @@ import pluggy
 
 GROUP = "prime"
 
+
 hookspec = pluggy.HookspecMarker(GROUP)
+
+
 hookimpl = pluggy.HookimplMarker(GROUP)
+
 
 Register = Callable[[str, type[Any]], None]
 

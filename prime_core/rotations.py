@@ -5,9 +5,9 @@ Every function takes stacks: the leading dimensions are kept.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from prime_core.arrays import Array
 
 
 def wrap_angle(angle: ArrayLike, period: float = 2 * np.pi) -> Array:

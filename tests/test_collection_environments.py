@@ -6,15 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from prime_core.agreement import check_environments
-from prime_core.collection import CollectionConfig
+from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import ConfigDump
 from prime_core.errors import ConfigurationError
-from prime_core.experiment import Experiment
-from prime_core.experiment_config import read_experiment
-from prime_core.stages import collection
-from prime_core.stages.collection import Collection
-from prime_core.stages.world import World, build_world
+from prime_core.execution.world import World
+from prime_core.experiments.compatibility import check_environments
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.stages import collection
+from prime_core.experiments.stages.collection import Collection
+from prime_core.registry.building import build_world
 
 EXPERIMENTS = Path(__file__).parents[1] / "experiments"
 LIFT, MILK = {"type": "robosuite/lift"}, {"type": "robosuite/pick-place"}

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from prime_core.experiment import Experiment
-from prime_core.experiment_config import read_experiment
-from prime_core.lerobot_dataset import read_dataset
+from prime_core.datasets.read import read_dataset
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import read_experiment
 
 ROOT = Path(__file__).parents[1]
 QUICK = ROOT / "experiments" / "lift_quick.yaml"

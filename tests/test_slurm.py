@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from prime_core.experiment import Experiment
-from prime_core.experiment_config import read_experiment
-from prime_core.slurm import QueueWatcher
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.slurm import QueueWatcher
 
 from .test_pipeline import QUICK, TINY, assert_same, command, prime
 

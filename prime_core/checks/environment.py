@@ -5,6 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from prime_core.arrays import Floats
 from prime_core.checks.requirement import require, require_array, require_bool
 from prime_core.checks.restoring import (
     check_clipping,
@@ -13,14 +14,13 @@ from prime_core.checks.restoring import (
     check_seeds,
 )
 from prime_core.checks.scene import check_description, check_scene
-from prime_core.environment import ACTION_LIMIT, Environment
-from prime_core.idm import Floats
+from prime_core.contracts.environment import ACTION_LIMIT, Environment
 
 
 def check_environment(
     environment: Environment, other: Environment | None = None, seed: int = 0, steps: int = 20
 ) -> None:
-    """Check that an environment keeps its contract; see `prime_core.environment`.
+    """Check that an environment keeps its contract; see `prime_core.contracts.environment`.
 
     Args:
         environment: What to check; it is reset and stepped.
@@ -34,7 +34,7 @@ def check_environment(
     """
     require(
         isinstance(environment, Environment),
-        f"{type(environment).__name__} must be a subclass of prime_core.environment.Environment",
+        f"{type(environment).__name__} must be a subclass of prime_core.Environment",
     )
     check_description(environment.description)
     _check_spaces(environment)
@@ -56,7 +56,7 @@ def _check_spaces(environment: Environment) -> None:
     require(
         fits,
         f"action_space is {space}: it must be gymnasium.spaces.Box(-ACTION_LIMIT, ACTION_LIMIT), "
-        "shape (5,), see prime_core.environment",
+        "shape (5,), see prime_core.contracts.environment",
     )
     require(
         isinstance(environment.observation_space, gymnasium.spaces.Dict),

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.arrays import Indices
 from prime_core.checks.requirement import CheckError, require, require_array
 from prime_core.checks.samples import DESCRIPTION, SPACE, sample_frames, sample_pair_data
+from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
+from prime_core.contracts.training import no_progress
 from prime_core.errors import PrimeError
-from prime_core.idm import IdmConfig, Indices, InverseDynamicsModel
-from prime_core.progress import no_progress
 
 Numbers = NDArray[np.floating]
 
@@ -22,7 +23,7 @@ def check_idm(config: IdmConfig, seed: int = 0) -> None:
     """Check on made-up pairs that an inverse dynamics model keeps its contract.
 
     It is trained twice in a temporary folder, so give it settings that train briefly. What
-    it learns is not looked at; see `prime_core.idm` for the contract.
+    it learns is not looked at; see `prime_core.arrays` for the contract.
 
     Args:
         config: Settings of the model.

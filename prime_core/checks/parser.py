@@ -3,7 +3,7 @@
 import numpy as np
 
 from prime_core.checks.requirement import require
-from prime_core.parser import PairScores, ParsedSegment, Parser
+from prime_core.contracts.parser import PairScores, ParsedSegment, Parser
 
 CLASSES = 4
 
@@ -11,7 +11,7 @@ CLASSES = 4
 def check_parser(
     parser: Parser, minimum_steps: int = 5, maximum_steps: int = 200, seed: int = 0
 ) -> None:
-    """Check on random scores that a parser keeps its contract; see `prime_core.parser`.
+    """Check on random scores that a parser keeps its contract; see `prime_core.contracts.parser`.
 
     Args:
         parser: What to check.

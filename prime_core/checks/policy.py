@@ -8,11 +8,12 @@ import numpy as np
 
 from prime_core.checks.requirement import CheckError, require, require_array
 from prime_core.checks.samples import DESCRIPTION, SPACE, sample_frames, sample_policy_data
+from prime_core.contracts.calls import PrimitiveCall
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.policy import Policy, PolicyConfig
+from prime_core.contracts.scene import Scene
+from prime_core.contracts.training import no_progress
 from prime_core.errors import PrimeError
-from prime_core.policy import Policy, PolicyConfig
-from prime_core.primitive_calls import PrimitiveCall
-from prime_core.progress import no_progress
-from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene
 
 SCENES = 8
 
@@ -21,7 +22,7 @@ def check_policy(config: PolicyConfig, seed: int = 0) -> None:
     """Check on made-up demonstrations that a policy keeps its contract.
 
     It is trained twice in a temporary folder, so give it settings that train briefly. What
-    it learns is not looked at; see `prime_core.policy` for the contract.
+    it learns is not looked at; see `prime_core.contracts.training` for the contract.
 
     Args:
         config: Settings of the policy.

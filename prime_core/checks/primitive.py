@@ -5,12 +5,12 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from prime_core.arrays import Floats
 from prime_core.checks.requirement import CheckError, require, require_array, require_bool
-from prime_core.environment import ACTION_LIMIT, Environment
-from prime_core.idm import Floats
-from prime_core.primitive import Primitive
-from prime_core.primitive_calls import ParameterSpace
-from prime_core.scene import Scene
+from prime_core.contracts.calls import ParameterSpace
+from prime_core.contracts.environment import ACTION_LIMIT, Environment
+from prime_core.contracts.primitive import Primitive
+from prime_core.contracts.scene import Scene
 
 RESETS = 5
 """Resets tried until the primitive can start."""
@@ -47,7 +47,7 @@ def check_primitive(
     seed: int = 0,
     draws: int = 3,
 ) -> None:
-    """Check that a primitive keeps its contract; see `prime_core.primitive`.
+    """Check that a primitive keeps its contract; see `prime_core.contracts.primitive`.
 
     Where it cannot start after a reset, it is told that it holds an object, and checked so.
 
@@ -64,7 +64,7 @@ def check_primitive(
     """
     require(
         isinstance(primitive, Primitive),
-        f"{type(primitive).__name__} must be a subclass of prime_core.primitive.Primitive",
+        f"{type(primitive).__name__} must be a subclass of prime_core.Primitive",
     )
     _check_attributes(primitive)
     start = _find_start(primitive, environment, prepare, seed)

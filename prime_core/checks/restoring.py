@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from prime_core.arrays import Floats
 from prime_core.checks.requirement import CheckError, require, require_array
-from prime_core.environment import ACTION_LIMIT, Environment, Observation
+from prime_core.contracts.environment import ACTION_LIMIT, Environment, Observation
 from prime_core.errors import PrimeError
-from prime_core.idm import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from prime_core.frames import Frames
-from prime_core.idm import Floats, Indices, PairData, PrimitiveSpace
-from prime_core.policy import PolicyData
-from prime_core.primitive_calls import Parameter, ParameterSpace
+from prime_core.arrays import Floats, Indices
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
+from prime_core.contracts.description import Affordance, ObjectDescription, SceneDescription
+from prime_core.contracts.observations import Frames
+from prime_core.contracts.training import PairData, PolicyData
 from prime_core.rotations import gripper_down
-from prime_core.scene import Affordance, ObjectDescription, SceneDescription
 
 FRAMES = 160
 PAIRS = 96

@@ -3,7 +3,8 @@
 import numpy as np
 
 from prime_core.checks.requirement import require, require_array
-from prime_core.scene import Affordance, Scene, SceneDescription
+from prime_core.contracts.description import Affordance, SceneDescription
+from prime_core.contracts.scene import Scene
 
 UNIT_TOLERANCE = 1e-3
 """How far a quaternion's length may be from 1; observations are float32."""
@@ -17,7 +18,7 @@ def check_description(description: SceneDescription) -> None:
     """
     require(
         isinstance(description, SceneDescription),
-        f"description is {description!r}: it must be a prime_core.scene.SceneDescription",
+        f"description is {description!r}: it must be a prime_core.SceneDescription",
     )
     names = [item.name for item in description.objects]
     require(len(set(names)) == len(names), f"objects are named {names}: names must differ")

@@ -30,7 +30,7 @@ def build_app() -> typer.Typer:
     )
     for command in (run, show, validate, parse, compare, plugins):
         app.command()(command)
-    from prime_core.plugins import load_plugins
+    from prime_core.registry.loading import load_plugins
 
     for name, function in load_plugins().commands.items():
         app.command(name)(function)

@@ -11,7 +11,7 @@ def compare(
     markdown: Annotated[bool, typer.Option("--markdown", help="Print it as Markdown.")] = False,
 ) -> None:
     """Put the results of several experiments side by side."""
-    from prime_core import comparison
+    from prime_core.experiments.results import comparison
 
     rows = comparison.comparison_rows([comparison.read_results(path) for path in results])
     if markdown:

@@ -16,8 +16,8 @@ def parse(
     """Parse demonstrations from elsewhere with the IDM of a run."""
     from rich.console import Console
 
-    from prime_core.foreign_parsing import parse_foreign
-    from prime_core.stages.parsing import parsing_summary
+    from prime_core.experiments.parse_dataset import parse_foreign
+    from prime_core.experiments.results.summaries import parsing_summary
 
     console = Console()
     target = out or dataset.with_name(dataset.stem + "-parsed")

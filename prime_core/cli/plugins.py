@@ -14,7 +14,7 @@ def plugins(
     from rich.console import Console
     from rich.table import Table
 
-    from prime_core.plugins import load_plugins
+    from prime_core.registry.loading import load_plugins
 
     console = Console()
     found = load_plugins()

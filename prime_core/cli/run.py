@@ -14,12 +14,12 @@ def run(
     """Run an experiment: what is done is kept, what depends on a change is done again."""
     from rich.console import Console
 
-    from prime_core.experiment import Experiment
-    from prime_core.experiment_config import read_experiment
-    from prime_core.outputs import link_outputs
-    from prime_core.results import write_results
-    from prime_core.running import run_experiment
-    from prime_core.summary import summary_table
+    from prime_core.experiments.experiment import Experiment
+    from prime_core.experiments.reading import read_experiment
+    from prime_core.experiments.results.gathering import write_results
+    from prime_core.experiments.results.links import link_outputs
+    from prime_core.experiments.results.table import summary_table
+    from prime_core.experiments.running import run_experiment
 
     console = Console()
     config = read_experiment(experiment, set_ or ())

@@ -8,9 +8,9 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
     from rich.console import Console
     from rich.syntax import Syntax
 
-    from prime_core.experiment import Experiment
-    from prime_core.experiment_config import dump_experiment, read_experiment
-    from prime_core.summary import stage_table
+    from prime_core.experiments.experiment import Experiment
+    from prime_core.experiments.reading import dump_experiment, read_experiment
+    from prime_core.experiments.results.table import stage_table
 
     console = Console()
     config = read_experiment(experiment, set_ or ())

@@ -5,7 +5,7 @@ from prime_core.cli.options import ExperimentArgument, SetOption
 
 def validate(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     """Check an experiment without running anything of it."""
-    from prime_core.experiment_config import read_experiment
+    from prime_core.experiments.reading import read_experiment
 
     config = read_experiment(experiment, set_ or ())
     names = f"policies: {', '.join(config.policies)}"

@@ -5,12 +5,13 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from prime_core.arrays import Floats
 from prime_core.checks.samples import DESCRIPTION
-from prime_core.environment import ACTION_LIMIT, Action, Environment, Observation
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.environment import ACTION_LIMIT, Action, Environment, Observation
+from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
-from prime_core.idm import Floats
 from prime_core.rotations import gripper_down
-from prime_core.scene import Scene, SceneDescription
 
 SOLVED_HEIGHT = 1.05
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from prime_core.call_history import CallHistory
-from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall
-from prime_core.scene import Scene
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall
+from prime_core.contracts.scene import Scene
+from prime_core.execution.repetition import CallHistory
 
 from .point_mass import PointMass
 from .test_evaluation import Rise, Stay

@@ -7,11 +7,12 @@ import gymnasium
 import numpy as np
 import pytest
 
+from prime_core.arrays import Floats
 from prime_core.checks import CheckError, check_environment
 from prime_core.checks.samples import DESCRIPTION
-from prime_core.environment import Action, Environment, Observation
-from prime_core.idm import Floats
-from prime_core.scene import Affordance, Scene, SceneDescription
+from prime_core.contracts.description import Affordance, SceneDescription
+from prime_core.contracts.environment import Action, Environment, Observation
+from prime_core.contracts.scene import Scene
 
 from .point_mass import PointMass
 

@@ -8,19 +8,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from prime_core.arrays import Floats, Indices
 from prime_core.checks import CheckError, check_idm
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
+from prime_core.contracts.observations import Frames
+from prime_core.contracts.training import PairData, Progress
 from prime_core.errors import PrimeError
-from prime_core.frames import Frames
-from prime_core.idm import (
-    Floats,
-    IdmConfig,
-    Indices,
-    InverseDynamicsModel,
-    PairData,
-    PrimitiveSpace,
-)
-from prime_core.progress import Progress
-from prime_core.scene import SceneDescription
 
 
 class Linear(InverseDynamicsModel):

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from prime_core.checks import CheckError, check_parser
-from prime_core.parser import PairScores, ParsedSegment, Parser
-from prime_core.parsers import DynamicProgrammingConfig, GreedyConfig
+from prime_core.contracts.parser import PairScores, ParsedSegment, Parser
+from prime_core.parsing.dynamic_programming import DynamicProgrammingConfig
+from prime_core.parsing.greedy import GreedyConfig
 
 
 class Equal(Parser):

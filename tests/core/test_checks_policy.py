@@ -9,14 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from prime_core.checks import CheckError, check_policy
+from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.policy import Policy, PolicyConfig
+from prime_core.contracts.scene import Scene
+from prime_core.contracts.training import PolicyData, Progress
 from prime_core.errors import PrimeError
-from prime_core.idm import (
-    PrimitiveSpace,
-)
-from prime_core.policy import Policy, PolicyConfig, PolicyData
-from prime_core.primitive_calls import PrimitiveCall
-from prime_core.progress import Progress
-from prime_core.scene import Scene, SceneDescription
 
 
 class Fixed(Policy):

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from prime_core.arrays import Floats
 from prime_core.checks import CheckError, check_primitive
-from prime_core.environment import Environment
-from prime_core.idm import Floats
-from prime_core.primitive import Motion, Primitive
-from prime_core.primitive_calls import Parameter, ParameterSpace
-from prime_core.scene import Scene
+from prime_core.contracts.calls import Parameter, ParameterSpace
+from prime_core.contracts.environment import Environment
+from prime_core.contracts.primitive import Motion, Primitive
+from prime_core.contracts.scene import Scene
 
 from .point_mass import PointMass
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from prime_core.comparison import comparison_rows, markdown, read_results
 from prime_core.errors import PrimeError
+from prime_core.experiments.results.comparison import comparison_rows, markdown, read_results
 
 PAPER = Path(__file__).parents[2] / "docs" / "results" / "paper"
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prime_core.environment import ACTION_LIMIT
-from prime_core.evaluation import run_trial
-from prime_core.policy import Policy
-from prime_core.primitive import Motion, Primitive
-from prime_core.primitive_calls import Array, Parameter, ParameterSpace, PrimitiveCall
-from prime_core.scene import Scene
+from prime_core.arrays import Array
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall
+from prime_core.contracts.environment import ACTION_LIMIT
+from prime_core.contracts.policy import Policy
+from prime_core.contracts.primitive import Motion, Primitive
+from prime_core.contracts.scene import Scene
+from prime_core.execution.trial import run_trial
 
 from .point_mass import SOLVED_HEIGHT, PointMass
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from prime_core.errors import ConfigurationError
-from prime_core.experiment_config import dump_experiment, read_experiment
+from prime_core.experiments.reading import dump_experiment, read_experiment
 
 EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from prime_core.contracts.description import ObjectDescription, SceneDescription
+from prime_core.contracts.observations import Frames
 from prime_core.features import FeatureEncoder, gripper_yaw
-from prime_core.frames import Frames
 from prime_core.rotations import gripper_down, quaternion_product
-from prime_core.scene import ObjectDescription, SceneDescription
 
 Array = NDArray[np.float64]
 

@@ -14,15 +14,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from prime_core import lerobot_layout
-from prime_core.demonstration import Demonstration
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall, PrimitiveSpace
+from prime_core.contracts.demonstration import Demonstration, Segment
+from prime_core.contracts.description import ObjectDescription, SceneDescription
+from prime_core.contracts.observations import Frames
+from prime_core.datasets import layout as lerobot_layout
+from prime_core.datasets.demonstrator import LeRobotDemonstratorConfig
+from prime_core.datasets.read import count_episodes, read_dataset, write_dataset
 from prime_core.errors import DatasetError
-from prime_core.frames import Frames
-from prime_core.idm import PrimitiveSpace
-from prime_core.lerobot_dataset import count_episodes, read_dataset, write_dataset
-from prime_core.lerobot_demonstrator import LeRobotDemonstratorConfig
-from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall, Segment
-from prime_core.scene import ObjectDescription, SceneDescription
 
 DESCRIPTION = SceneDescription(
     objects=(ObjectDescription("milk"), ObjectDescription("bin")),
@@ -228,7 +227,7 @@ def test_a_failure_leaves_the_old_one(tmp_path: Path, monkeypatch: pytest.Monkey
     def fail(*_: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr("prime_core.lerobot_tables._write_episodes", fail)
+    monkeypatch.setattr("prime_core.datasets.parquet_writer._write_episodes", fail)
     with pytest.raises(DatasetError, match="no space left"):
         write(tmp_path / "set", replace=True)
     with pytest.raises(DatasetError, match="no space left"):
@@ -433,7 +432,7 @@ def test_a_set_from_elsewhere_is_read(tmp_path: Path) -> None:
 def test_the_demonstrator(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written = write(tmp_path / "set")
     monkeypatch.setattr(
-        "prime_core.lerobot_demonstrator._description_of", lambda environment: DESCRIPTION
+        "prime_core.datasets.demonstrator._description_of", lambda environment: DESCRIPTION
     )
     environment: Any = None
     everything = LeRobotDemonstratorConfig(path=tmp_path / "set")

@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
-from prime_core.collection import CollectedEpisode, CollectionConfig, draw_other_pairs
-from prime_core.idm import PrimitiveSpace
-from prime_core.pair_data import (
+from prime_core.collection.other_pairs import draw_other_pairs
+from prime_core.collection.recording import CollectedEpisode
+from prime_core.collection.rollouts import RolloutTable
+from prime_core.collection.settings import CollectionConfig
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
+from prime_core.learning.training_pairs import (
     PairConfig,
-    RolloutTable,
     balanced_weights,
     hard_negatives,
     training_pairs,
 )
-from prime_core.primitive_calls import Parameter, ParameterSpace
 
 SPACE = PrimitiveSpace(("reach", "grasp"), (ParameterSpace((Parameter("x", "m", -1.0, 1.0),)),) * 2)
 

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from prime_core.arrays import Floats
+from prime_core.contracts.parser import PairScores, ParsedSegment
 from prime_core.errors import PrimeError
-from prime_core.idm import Floats
-from prime_core.parser import PairScores, ParsedSegment
-from prime_core.parsers import DynamicProgrammingConfig, GreedyConfig, ScoredParserConfig
-from prime_core.parsers.scored import Rule
+from prime_core.parsing import ScoredParserConfig
+from prime_core.parsing.dynamic_programming import DynamicProgrammingConfig
+from prime_core.parsing.greedy import GreedyConfig
+from prime_core.parsing.scored import Rule
 
 RULES: tuple[Rule, ...] = ("max", "argmax")
 CONFIGS = (DynamicProgrammingConfig, GreedyConfig)

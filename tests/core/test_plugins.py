@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
+from prime_core.contracts.parser import Parser, ParserConfig
 from prime_core.errors import UnknownTypeError
 from prime_core.hookspecs import hookimpl
-from prime_core.parser import Parser, ParserConfig
-from prime_core.plugins import Plugins
+from prime_core.registry.loading import Plugins
 
 
 class ScissorsConfig(ParserConfig):
@@ -71,7 +71,9 @@ def test_a_class_of_another_kind_is_refused() -> None:
     plugins = Plugins()
     add(plugins, "one", parsers(scissors=int))
     assert plugins.registry.registrations("parser") == []
-    assert "must be a subclass of prime_core.parser.ParserConfig" in str(plugins.found[0].error)
+    assert "must be a subclass of prime_core.contracts.parser.ParserConfig" in str(
+        plugins.found[0].error
+    )
 
 
 def test_a_misspelt_hook_is_an_error_that_lists_the_hooks() -> None:

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from prime_core.arrays import Floats, Indices
 from prime_core.checks.samples import SPACE, sample_frames
-from prime_core.demonstration import Demonstration
-from prime_core.frames import Frames
-from prime_core.idm import Floats, Indices, InverseDynamicsModel
-from prime_core.parsing import ParsedDemonstration
-from prime_core.policy_data import AugmentationConfig, augmented_policy_data
-from prime_core.primitive_calls import OTHER, PrimitiveCall, Segment
+from prime_core.contracts.calls import OTHER, PrimitiveCall
+from prime_core.contracts.demonstration import Demonstration, ParsedDemonstration, Segment
+from prime_core.contracts.idm import InverseDynamicsModel
+from prime_core.contracts.observations import Frames
+from prime_core.learning.augmentation import AugmentationConfig, augmented_policy_data
 
 FRAMES = 101
 

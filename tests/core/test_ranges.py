@@ -1,8 +1,8 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from prime_core.collection import CollectionConfig
-from prime_core.ranges import PositiveRange, Range, StepRange
+from prime_core.collection.settings import CollectionConfig
+from prime_core.configuration import PositiveRange, Range, StepRange
 
 
 @pytest.mark.parametrize(

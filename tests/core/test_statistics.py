@@ -2,7 +2,7 @@
 
 import pytest
 
-from prime_core.statistics import mean_of_best, wilson_interval
+from prime_core.experiments.results.rates import mean_of_best, wilson_interval
 
 
 def test_the_interval_is_that_of_wilson() -> None:

@@ -9,14 +9,14 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.image import imread
 
-from prime_core import timeline
 from prime_core.checks.samples import DESCRIPTION
-from prime_core.demonstration import Demonstration
-from prime_core.frames import Frames
-from prime_core.idm import PrimitiveSpace
-from prime_core.parsing import ParsedDemonstration
-from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall, Segment
-from prime_core.timeline import draw_timeline, draw_timelines_overview, primitive_colours
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall, PrimitiveSpace
+from prime_core.contracts.demonstration import Demonstration, ParsedDemonstration, Segment
+from prime_core.contracts.observations import Frames
+from prime_core.reporting import style as timeline
+from prime_core.reporting.overview import draw_timelines_overview
+from prime_core.reporting.style import primitive_colours
+from prime_core.reporting.timeline import draw_timeline
 
 FRAMES = 201
 POSE = ParameterSpace((Parameter("x", "m", -1.0, 1.0), Parameter("yaw", "rad", -2.0, 2.0)))

@@ -6,14 +6,10 @@ import pytest
 import yaml
 
 from prime_core.errors import ConfigurationError
-from prime_core.experiment import Experiment
-from prime_core.experiment_config import (
-    ExperimentConfig,
-    dump_experiment,
-    read_experiment,
-    validate_experiment,
-)
-from prime_core.variants import with_changes
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import dump_experiment, read_experiment, validate_experiment
+from prime_core.experiments.settings import ExperimentConfig
+from prime_core.experiments.variants import with_changes
 
 GOOD = """
 name: lift

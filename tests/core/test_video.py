@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from prime_core.errors import PrimeError
-from prime_core.video import write_video
+from prime_core.reporting.video import write_video
 
 
 def pictures(count: int = 30, height: int = 84, width: int = 96) -> Any:
@@ -72,7 +72,7 @@ def test_a_failure_leaves_the_old_video(tmp_path: Path, monkeypatch: pytest.Monk
         partial.write_bytes(b"half")
         raise av.FFmpegError(1, "encoder gave up")
 
-    monkeypatch.setattr("prime_core.video._encode", fail)
+    monkeypatch.setattr("prime_core.reporting.video._encode", fail)
     with pytest.raises(PrimeError, match="cannot be encoded"):
         write_video(path, pictures(3))
     assert path.read_bytes() == before

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from prime_core.environment import ACTION_LIMIT
+from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.rotations import wrap_angle, yaw_of
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from prime_core.contracts.observations import IMAGE_PREFIX
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down
-from prime_core.scene import IMAGE_PREFIX
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 

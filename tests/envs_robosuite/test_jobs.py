@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from prime_core.scene import Scene
+from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.jobs import HoldUp, Job, Push, PutInto, PutOnto, Reach, in_opposite_order
 from prime_envs_robosuite.lift import CUBE_HALF_SIZE, TABLE_TOP, LiftTask

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from prime_core.checks import check_environment
-from prime_core.environment import ACTION_LIMIT
+from prime_core.contracts.environment import ACTION_LIMIT
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import rotation_matrix, yaw_of
-from prime_core.scene import Scene
 from prime_envs_robosuite.config import NutAssemblyConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.nut_assembly import PEG_TOP, SHAPES

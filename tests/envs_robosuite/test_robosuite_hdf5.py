@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prime_core.demonstration import Demonstration
-from prime_core.environment import ACTION_LIMIT
+from prime_core.contracts.demonstration import Demonstration
+from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.errors import DatasetError
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment

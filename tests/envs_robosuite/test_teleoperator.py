@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from prime_core.demonstration import Demonstration
-from prime_core.environment import ACTION_LIMIT, Environment, EnvironmentConfig
+from prime_core.contracts.demonstration import Demonstration
+from prime_core.contracts.environment import ACTION_LIMIT, Environment, EnvironmentConfig
 from prime_core.errors import PrimeError
-from prime_core.experiment_config import read_experiment
+from prime_core.experiments.reading import read_experiment
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig, TidyUpConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
 from prime_core.rotations import wrap_angle
-from prime_core.scene import Scene
 from prime_envs_robosuite.config import LiftConfig, TidyUpConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.jobs import PutInto

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from prime_core.contracts.idm import InverseDynamicsModel
+from prime_core.contracts.training import PairData, no_progress
 from prime_core.errors import PrimeError
-from prime_core.idm import InverseDynamicsModel, PairData
-from prime_core.progress import no_progress
 from prime_policies.mlp_gmm import MlpGmmIdmConfig
 
 from .toy_world import DESCRIPTION, OTHER, SPACE, pair_data, pushes, rollouts

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from prime_core.idm import PrimitiveSpace
-from prime_core.primitive_calls import Parameter, ParameterSpace
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
 from prime_policies.parameter_codec import ParameterCodec
 
 SPACE = PrimitiveSpace(

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from torch import Tensor
 
+from prime_core.contracts.calls import PrimitiveCall
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.policy import Policy
+from prime_core.contracts.scene import Scene
+from prime_core.contracts.training import PolicyData, no_progress
 from prime_core.errors import PrimeError
-from prime_core.policy import Policy, PolicyData
-from prime_core.primitive_calls import PrimitiveCall
-from prime_core.progress import no_progress
 from prime_core.rotations import wrap_angle
-from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene
 from prime_policies.examples import Source
 from prime_policies.prime import PrimePolicyConfig
 

@@ -3,8 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from prime_core.primitive_calls import Parameter, ParameterSpace, PrimitiveCall
-from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Affordance, Scene
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall
+from prime_core.contracts.description import Affordance
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.scene import Scene
 from prime_policies.turned_calls import calls_at_any_yaw, turned_calls
 
 from .toy_world import DESCRIPTION, SPACE, demonstrations

@@ -7,7 +7,7 @@ import torch
 import yaml
 from torch import nn
 
-from prime_core.scene import ObjectDescription, SceneDescription
+from prime_core.contracts.description import ObjectDescription, SceneDescription
 from prime_policies.weights import (
     CARD,
     WeightsError,

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from prime_core.frames import Frames
-from prime_core.idm import PairData, PrimitiveSpace
-from prime_core.policy import PolicyData
-from prime_core.primitive_calls import Parameter, ParameterSpace
+from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
+from prime_core.contracts.description import ObjectDescription, SceneDescription
+from prime_core.contracts.observations import Frames
+from prime_core.contracts.training import PairData, PolicyData
 from prime_core.rotations import gripper_down, wrap_angle
-from prime_core.scene import ObjectDescription, SceneDescription
 
 LOW, HIGH = (-0.1, -0.4, 0.8), (0.3, 0.4, 1.1)
 REACH, GRASP, PLACE, OTHER = range(4)

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from prime_core.environment import Environment
-from prime_core.execution import Execution, run_primitive, settle
-from prime_core.primitive import Primitive
+from prime_core.contracts.environment import Environment
+from prime_core.contracts.primitive import Primitive
+from prime_core.execution.motions import Execution, run_primitive, settle
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prime_core.primitive import Motion
+from prime_core.contracts.description import Affordance, ObjectDescription, SceneDescription
+from prime_core.contracts.primitive import Motion
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import gripper_down
-from prime_core.scene import Affordance, ObjectDescription, Scene, SceneDescription
 
 SHARE = 0.3  # of each commanded move that is made in its step
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from prime_core.scene import Scene
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig

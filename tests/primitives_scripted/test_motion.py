@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from prime_core.environment import ACTION_LIMIT
-from prime_core.scene import Scene
+from prime_core.contracts.environment import ACTION_LIMIT
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.goal import equivalent_goals
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig

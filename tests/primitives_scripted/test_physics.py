@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from prime_core.checks import check_primitive
-from prime_core.collection import CollectionConfig, collect_episode
-from prime_core.environment import Environment
-from prime_core.execution import run_actions, settle
-from prime_core.idm import PrimitiveSpace
-from prime_core.primitive import Primitive
-from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.collection.episode import collect_episode
+from prime_core.collection.settings import CollectionConfig
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.environment import Environment
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.primitive import Primitive
+from prime_core.execution.motions import run_actions, settle
 from prime_envs_robosuite.config import TidyUpConfig
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from prime_core.primitive import Primitive
+from prime_core.contracts.description import Affordance, ObjectDescription
+from prime_core.contracts.primitive import Primitive
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle
-from prime_core.scene import Affordance, ObjectDescription, Scene
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig

@@ -8,9 +8,10 @@ import pytest
 from pydantic import ValidationError
 
 from prime_core.checks import check_primitive
-from prime_core.environment import Environment
-from prime_core.execution import run_primitive, settle
-from prime_core.scene import Affordance, Scene
+from prime_core.contracts.description import Affordance
+from prime_core.contracts.environment import Environment
+from prime_core.contracts.scene import Scene
+from prime_core.execution.motions import run_primitive, settle
 from prime_envs_robosuite.config import LiftConfig
 from prime_primitives_scripted.push import Push, PushConfig
 

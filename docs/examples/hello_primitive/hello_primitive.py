@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from prime_core.environment import ACTION_LIMIT
+from prime_core.contracts.calls import Parameter, ParameterSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.environment import ACTION_LIMIT
+from prime_core.contracts.primitive import Motion, Primitive, PrimitiveConfig
+from prime_core.contracts.scene import Scene
 from prime_core.hookspecs import Register, hookimpl
-from prime_core.primitive import Motion, Primitive, PrimitiveConfig
-from prime_core.primitive_calls import Parameter, ParameterSpace
-from prime_core.scene import Scene, SceneDescription
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,9 @@ from typing import Literal
 
 import numpy as np
 
+from prime_core.contracts.description import Affordance
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import yaw_of
-from prime_core.scene import Affordance, Scene
 from prime_envs_robosuite.jobs import Job, PutOnto
 from prime_envs_robosuite.table_top import (
     EASY_REACH,

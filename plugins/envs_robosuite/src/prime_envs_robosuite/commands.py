@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.environment import ACTION_LIMIT
+from prime_core.contracts.environment import ACTION_LIMIT
 from prime_envs_robosuite.panda import Panda
 from prime_envs_robosuite.stepping import POSITION_SCALE, ROTATION_SCALE
 

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import PositiveInt
 
-from prime_core.environment import Environment, EnvironmentConfig
+from prime_core.contracts.environment import Environment, EnvironmentConfig
 
 
 class RobosuiteConfig(EnvironmentConfig):

@@ -7,15 +7,16 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.environment import ACTION_LIMIT, CONTROL_FREQUENCY, Environment, Observation
-from prime_core.errors import PrimeError
-from prime_core.scene import (
-    ENVIRONMENT_STATE_KEY,
-    IMAGE_PREFIX,
-    STATE_KEY,
-    Scene,
-    SceneDescription,
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.environment import (
+    ACTION_LIMIT,
+    CONTROL_FREQUENCY,
+    Environment,
+    Observation,
 )
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
+from prime_core.contracts.scene import Scene
+from prime_core.errors import PrimeError
 from prime_envs_robosuite.commands import controller_command
 from prime_envs_robosuite.rendering import Cameras
 from prime_envs_robosuite.robot_description import describe_robot

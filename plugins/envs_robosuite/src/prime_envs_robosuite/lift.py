@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_core.contracts.description import Affordance, ObjectDescription
+from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.adapter import make_host
 from prime_envs_robosuite.jobs import HoldUp, Job
 from prime_envs_robosuite.task import Motion, Placement, Task, sampler_placement

@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_core.contracts.description import Affordance, ObjectDescription
+from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.adapter import make_host
 from prime_envs_robosuite.jobs import Job, PutOnto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task, is_let_go, sampler_placement

@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.demonstration import Demonstration
-from prime_core.environment import EnvironmentConfig
+from prime_core.contracts.demonstration import Demonstration
+from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Frames
 from prime_core.errors import PrimeError
-from prime_core.frames import Frames
-from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY
 from prime_envs_robosuite.config import RobosuiteConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
@@ -60,7 +59,7 @@ class Recorder:
         """Record the present state and the action that is about to be taken.
 
         Args:
-            action: As in `prime_core.environment`, ``(5,)``.
+            action: As in `prime_core.contracts.environment`, ``(5,)``.
         """
         observation = self._environment.scene().observation()
         self._states.append(observation[STATE_KEY])

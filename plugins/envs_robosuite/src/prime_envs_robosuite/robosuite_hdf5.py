@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.demonstration import Demonstration, DemonstratorConfig
-from prime_core.environment import ACTION_LIMIT, EnvironmentConfig
+from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
+from prime_core.contracts.environment import ACTION_LIMIT, EnvironmentConfig
 from prime_core.errors import DatasetError
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 

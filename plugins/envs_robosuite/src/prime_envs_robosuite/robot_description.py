@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.scene import RobotDescription
+from prime_core.contracts.description import RobotDescription
 from prime_envs_robosuite.panda import FINGER_BODIES, GRIP_SITE, JOINT_NAMES
 from prime_envs_robosuite.physics_model import model_xml, only_shows
 

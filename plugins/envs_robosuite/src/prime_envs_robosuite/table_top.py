@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_core.contracts.description import Affordance, ObjectDescription
+from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.adapter import make_host
 from prime_envs_robosuite.jobs import Bounds, Neighbour, Push, PutInto, Reach
 from prime_envs_robosuite.task import Motion, Placement, Task

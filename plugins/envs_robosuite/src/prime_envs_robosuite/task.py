@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from prime_core.scene import Affordance, ObjectDescription, Scene
+from prime_core.contracts.description import Affordance, ObjectDescription
+from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.jobs import Job
 
 RELEASE_OPENING = 0.06  # the fingers open to 0.08 m

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import AfterValidator, Field, PositiveFloat, PositiveInt
 
-from prime_core.demonstration import Demonstration, DemonstratorConfig
-from prime_core.environment import EnvironmentConfig
+from prime_core.configuration import PositiveRange, Range, StepRange
+from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
+from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
-from prime_core.ranges import PositiveRange, Range, StepRange
-from prime_core.scene import Scene
 from prime_envs_robosuite.jobs import Job, in_opposite_order
 from prime_envs_robosuite.teleoperator_choices import are_apart
 from prime_envs_robosuite.teleoperator_motion import Style

@@ -6,8 +6,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from prime_core.contracts.description import Affordance
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_core.scene import Affordance, Scene
 from prime_envs_robosuite.jobs import Bounds, Job, PutInto, PutOnto, Reach, Taking
 
 Array = NDArray[np.float64]

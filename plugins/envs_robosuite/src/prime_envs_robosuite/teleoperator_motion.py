@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.environment import ACTION_LIMIT, CONTROL_FREQUENCY, Action
+from prime_core.contracts.environment import ACTION_LIMIT, CONTROL_FREQUENCY, Action
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle
-from prime_core.scene import Scene
 from prime_envs_robosuite.teleoperator_curves import arched, bezier, evenly, length, smooth_rise
 
 Array = NDArray[np.float64]

@@ -5,9 +5,9 @@ from collections.abc import Generator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.environment import Action
+from prime_core.contracts.environment import Action
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import rotation_matrix
-from prime_core.scene import Scene
 from prime_envs_robosuite.jobs import HoldUp, Job, Push, PutInto, PutOnto, Taking
 from prime_envs_robosuite.teleoperator_choices import (
     bringing,

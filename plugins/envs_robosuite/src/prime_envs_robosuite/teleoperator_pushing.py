@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle
-from prime_core.scene import Scene
 from prime_envs_robosuite.jobs import Push
 from prime_envs_robosuite.teleoperator_choices import GREATEST_YAW
 from prime_envs_robosuite.teleoperator_motion import (

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from prime_core.scene import Scene
+from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.jobs import Job
 from prime_envs_robosuite.table_top import (
     Bin,

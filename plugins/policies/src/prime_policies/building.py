@@ -5,7 +5,7 @@ from collections.abc import Callable
 import torch
 from torch import nn
 
-from prime_core.idm import PrimitiveSpace
+from prime_core.contracts.calls import PrimitiveSpace
 from prime_policies.line_inputs import LineInputs
 from prime_policies.networks import Classifier, ParameterNetwork, Trunk
 from prime_policies.parameter_codec import ParameterCodec

@@ -10,8 +10,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from prime_core.arrays import Floats, Indices
 from prime_core.errors import DatasetError
-from prime_core.idm import Floats, Indices
 from prime_policies.networks import Examples
 
 STRETCHES = 40  # of frames that are left out or not

@@ -4,9 +4,10 @@ from pathlib import Path
 
 from pydantic import Field
 
-from prime_core.idm import IdmConfig, InverseDynamicsModel, PairData, PrimitiveSpace
-from prime_core.progress import Progress
-from prime_core.scene import SceneDescription
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
+from prime_core.contracts.training import PairData, Progress
 from prime_policies.settings import NetworkSettings
 
 

@@ -4,10 +4,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from prime_core.arrays import Floats, Indices
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.idm import InverseDynamicsModel
+from prime_core.contracts.observations import Frames
 from prime_core.features import FeatureEncoder, gripper_yaw
-from prime_core.frames import Frames
-from prime_core.idm import Floats, Indices, InverseDynamicsModel, PrimitiveSpace
-from prime_core.scene import SceneDescription
 from prime_policies.mixture import best_means, log_density
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec

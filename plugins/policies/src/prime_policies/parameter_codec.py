@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from prime_core.idm import Floats, Indices, PrimitiveSpace
-from prime_core.primitive_calls import Parameter
+from prime_core.arrays import Floats, Indices
+from prime_core.contracts.calls import Parameter, PrimitiveSpace
 from prime_core.rotations import wrap_angle
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from prime_core.idm import PrimitiveSpace
+from prime_core.contracts.calls import PrimitiveSpace
 from prime_policies.examples import Source
 from prime_policies.linear import LinearFit
 from prime_policies.mixture import best_means, wrapped

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from pydantic import Field
 
-from prime_core.idm import PrimitiveSpace
-from prime_core.policy import Policy, PolicyConfig, PolicyData
-from prime_core.progress import Progress
-from prime_core.scene import SceneDescription
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.policy import Policy, PolicyConfig
+from prime_core.contracts.training import PolicyData, Progress
 from prime_policies.settings import NetworkSettings
 
 

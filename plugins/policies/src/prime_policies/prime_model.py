@@ -8,12 +8,12 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Frames
+from prime_core.contracts.policy import Policy
+from prime_core.contracts.scene import Scene
 from prime_core.features import FeatureEncoder
-from prime_core.frames import Frames
-from prime_core.idm import PrimitiveSpace
-from prime_core.policy import Policy
-from prime_core.primitive_calls import PrimitiveCall
-from prime_core.scene import ENVIRONMENT_STATE_KEY, STATE_KEY, Scene, SceneDescription
 from prime_policies.mixture import best_means, draw
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec

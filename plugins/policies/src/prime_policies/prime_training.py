@@ -10,11 +10,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.training import PolicyData, Progress
 from prime_core.features import FeatureEncoder, gripper_yaw
-from prime_core.idm import PrimitiveSpace
-from prime_core.policy import PolicyData
-from prime_core.progress import Progress
-from prime_core.scene import SceneDescription
 from prime_policies import building, examples, preparing
 from prime_policies.copies import CopiedFeatures, fit_copies
 from prime_policies.examples import Source

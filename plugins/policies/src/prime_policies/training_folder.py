@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from prime_core.progress import Progress
+from prime_core.contracts.training import Progress
 from prime_policies.examples import Source
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.training import Schedule, Training, check_identity

@@ -4,10 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from prime_core.idm import Floats
-from prime_core.primitive_calls import ParameterSpace, PrimitiveCall
+from prime_core.arrays import Floats
+from prime_core.contracts.calls import ParameterSpace, PrimitiveCall
+from prime_core.contracts.description import Affordance
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_core.scene import Affordance, Scene
 
 NEAR = 0.05  # [m] from an object in the plane, for a call to be about it
 STEPS = 12  # turns that are tried in a period

@@ -12,10 +12,10 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
-from prime_core.atomic import new_file
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
 from prime_core.errors import PrimeError
-from prime_core.idm import PrimitiveSpace
-from prime_core.scene import SceneDescription
+from prime_core.files import new_file
 
 CARD = "model.yaml"
 FORMAT = 2  # of the weights; rises with a change that makes older ones mean something else

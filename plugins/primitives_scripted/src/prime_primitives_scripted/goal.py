@@ -7,8 +7,8 @@ angle: the jaws of a parallel gripper repeat after half a turn, the arm's joints
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle
-from prime_core.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from pydantic import PositiveInt
 
-from prime_core.primitive import Motion
-from prime_core.scene import Affordance, Scene, SceneDescription
+from prime_core.contracts.description import Affordance, SceneDescription
+from prime_core.contracts.primitive import Motion
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive

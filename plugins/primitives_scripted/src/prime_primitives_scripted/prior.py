@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.primitive_calls import ParameterSpace
+from prime_core.contracts.calls import ParameterSpace
+from prime_core.contracts.description import Affordance
+from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_core.scene import Affordance, Scene
 from prime_primitives_scripted.goal import JAW_PERIOD
 
 Array = NDArray[np.float64]

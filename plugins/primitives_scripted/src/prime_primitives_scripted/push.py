@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from pydantic import PositiveFloat, PositiveInt
 
-from prime_core.primitive import Motion
-from prime_core.primitive_calls import Parameter, ParameterSpace
-from prime_core.ranges import PositiveRange
-from prime_core.scene import Affordance, Scene, SceneDescription
+from prime_core.configuration import PositiveRange
+from prime_core.contracts.calls import Parameter, ParameterSpace
+from prime_core.contracts.description import Affordance, SceneDescription
+from prime_core.contracts.primitive import Motion
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted import prior
 from prime_primitives_scripted.goal import distance
 from prime_primitives_scripted.mover import CLOSE, Mover

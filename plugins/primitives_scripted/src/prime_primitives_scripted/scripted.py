@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import NonNegativeFloat, PositiveFloat, PositiveInt
 
-from prime_core.primitive import Primitive, PrimitiveConfig
-from prime_core.primitive_calls import Parameter, ParameterSpace
-from prime_core.scene import Affordance, Scene, SceneDescription
+from prime_core.contracts.calls import Parameter, ParameterSpace
+from prime_core.contracts.description import Affordance, SceneDescription
+from prime_core.contracts.primitive import Primitive, PrimitiveConfig
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted import prior
 from prime_primitives_scripted.goal import (
     JAW_PERIOD,

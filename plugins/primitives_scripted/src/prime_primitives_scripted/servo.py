@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.environment import ACTION_LIMIT
-from prime_core.scene import Scene, SceneDescription
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.environment import ACTION_LIMIT
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.goal import equivalent_goals
 
 if TYPE_CHECKING:

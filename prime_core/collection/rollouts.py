@@ -1,0 +1,79 @@
+"""The rollouts of many collected episodes as one table."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from prime_core.arrays import Floats, Indices
+from prime_core.collection.recording import CollectedEpisode
+from prime_core.contracts.observations import Frames
+
+
+class RolloutTable:
+    """The rollouts of many episodes, and the frames that are learnt from.
+
+    Frames are counted through all episodes, end to end. Most of them lie inside of rollouts and
+    motor actions, where nothing is learnt: they are not kept, so that the memory does not grow
+    with the length of the episodes.
+
+    Attributes:
+        frames: Those that were kept; `rows` tells where.
+        rollouts: Start frame, end frame and primitive of each rollout, ``(n, 3)``.
+        parameters: Of each rollout, ``(n, width)``.
+        others: Start and end frame of pairs of `other`, ``(k, 2)``.
+        last: The last frame.
+
+    Args:
+        episodes: Each is looked at once.
+        around: Frames that are kept on either side of the ends of rollouts.
+    """
+
+    def __init__(self, episodes: Iterable[CollectedEpisode], around: int = 0) -> None:
+        first, starts = 0, []
+        frames: list[Frames] = []
+        numbers: list[Indices] = []
+        rollouts: list[Indices] = []
+        parameters: list[Floats] = []
+        others: list[Indices] = []
+        for item in episodes:
+            kept = _learnt_from(item, around)
+            starts.append(first)
+            numbers.append(kept + first)
+            frames.append(Frames(item.state[kept], item.environment_state[kept]))
+            rollouts.append(item.rollouts + np.array([first, first, 0]))
+            parameters.append(item.parameters)
+            others.append(item.others + first)
+            first += len(item.state)
+        self.frames = Frames(
+            np.concatenate([item.state for item in frames]),
+            np.concatenate([item.environment_state for item in frames]),
+        )
+        self.rollouts = np.concatenate(rollouts)
+        self.parameters = np.concatenate(parameters)
+        self.others = np.concatenate(others)
+        self._starts, self._numbers = np.array(starts), np.concatenate(numbers)
+        self.last = first - 1
+
+    def rows(self, numbers: Indices) -> Indices:
+        """Return where frames lie in `frames`, in the shape of their numbers.
+
+        Raises:
+            ValueError: If one was not kept.
+        """
+        if not np.isin(numbers, self._numbers).all():
+            raise ValueError("a frame was not kept: give RolloutTable a greater 'around'")
+        found: Indices = np.searchsorted(self._numbers, numbers)
+        return found
+
+    def episode(self, numbers: Indices) -> Indices:
+        """Return the number of the episode that each frame is of."""
+        found: Indices = np.searchsorted(self._starts, numbers, side="right") - 1
+        return found
+
+
+def _learnt_from(episode: CollectedEpisode, around: int) -> Indices:
+    """Return the frames of an episode that pairs begin or end at, in order."""
+    ends = episode.rollouts[:, :2].reshape(-1, 1) + np.arange(-around, around + 1)
+    used = np.concatenate((ends.ravel(), episode.others.ravel()))
+    kept: Indices = np.unique(np.clip(used, 0, len(episode.state) - 1))
+    return kept

@@ -1,0 +1,41 @@
+"""Settings of the collection."""
+
+from pydantic import Field
+
+from prime_core.configuration import Config, StepRange
+
+
+class CollectionConfig(Config):
+    """Settings of the collection."""
+
+    episodes: int = Field(2250, ge=1)
+    """Episodes in all (paper, PickPlace: 45 workers x 50)."""
+    episodes_per_shard: int = Field(5, ge=1)
+    """Episodes that are kept, or lost on a kill, together."""
+    draws_per_episode: int = Field(15, ge=1)
+    """Primitives and runs of motor actions in an episode."""
+    atomic_share: float = Field(0.5, ge=0, le=1)
+    """Share of draws that are runs of random motor actions."""
+    atomic_steps: StepRange = (20, 60)
+    """Least and greatest length of such a run."""
+    prior_share: float = Field(0.9, ge=0, le=1)
+    """Share of parameter draws from the primitives' priors; the others are uniform."""
+    attempts: int = Field(4, ge=1)
+    """Parameter draws that are tried from one state until one succeeds."""
+    undos: int = Field(0, ge=0)
+    """States from which all attempts may fail before the episode is given up. With `attempts`,
+    fewer than the release's 10: after a failed grasp the object mostly lies out of reach of one."""
+    other_pairs: int = Field(60, ge=0)
+    """Pairs of `other` drawn in each episode (paper: K)."""
+    other_steps: StepRange = (5, 200)
+    """Least and greatest length of such a pair: the parser's limits."""
+
+    @property
+    def shards(self) -> int:
+        """Number of shards."""
+        return -(-self.episodes // self.episodes_per_shard)
+
+    def shard_episodes(self, shard: int) -> range:
+        """Return the episodes of a shard."""
+        first = shard * self.episodes_per_shard
+        return range(first, min(first + self.episodes_per_shard, self.episodes))

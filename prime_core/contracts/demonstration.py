@@ -1,0 +1,100 @@
+"""Demonstrations, the segments they are parsed into, and the contract of their sources."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.configuration import Config
+from prime_core.contracts.calls import OTHER, PrimitiveCall
+from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.contracts.observations import Frames
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of a demonstration, explained.
+
+    Attributes:
+        start: Frame where it begins.
+        end: Frame where it ends; the next segment starts there.
+        call: The primitive call that leads from the one to the other. Its primitive is
+            ``"other"`` and its parameters are empty where no primitive does.
+        log_probability: As the parser scored it.
+    """
+
+    start: int
+    end: int
+    call: PrimitiveCall
+    log_probability: float
+
+    @property
+    def steps(self) -> int:
+        """Motor actions that the segment covers."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True, eq=False)
+class Demonstration:
+    """One recorded episode of motor actions.
+
+    A frame is an instant; the action of a frame leads to the next. The action of the last
+    frame was never done: it is a hold.
+
+    Attributes:
+        frames: The ``N`` state vectors, the last one after the last action.
+        actions: As in `prime_core.contracts.environment`, ``(N, 5)`` float32.
+        task: What is done, in words.
+        simulator_states: From ``Environment.get_state``, ``(N, n)`` float64, or None where the
+            episode comes from elsewhere.
+    """
+
+    frames: Frames
+    actions: NDArray[np.float32]
+    task: str
+    simulator_states: NDArray[np.float64] | None = None
+
+    @property
+    def steps(self) -> int:
+        """Motor actions that were done."""
+        return len(self.frames) - 1
+
+
+class DemonstratorConfig(Config):
+    """Settings of a source of demonstrations; what packs register."""
+
+    @abstractmethod
+    def count_available(self) -> int:
+        """How many demonstrations it gives."""
+
+    @abstractmethod
+    def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
+        """Return one demonstration, that ends in success.
+
+        Args:
+            environment: Where it is shown.
+            index: Which one, below `count_available`.
+            seed: Of the experiment; the demonstration depends on the seed and the index only.
+
+        Raises:
+            PrimeError: If there is none to be had.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class ParsedDemonstration:
+    """A demonstration and the segments that it was cut into, in order."""
+
+    demonstration: Demonstration
+    segments: tuple[Segment, ...]
+
+    @property
+    def primitives(self) -> int:
+        """Number of segments that a primitive explains."""
+        return sum(item.call.primitive != OTHER for item in self.segments)
+
+    @property
+    def other_steps(self) -> int:
+        """Motor actions in segments that no primitive explains."""
+        return sum(item.steps for item in self.segments if item.call.primitive == OTHER)

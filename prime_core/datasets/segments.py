@@ -1,0 +1,157 @@
+"""Segments in a LeRobot data set: our table, the label of each frame, LeRobot's motion rows."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.contracts.calls import (
+    OTHER,
+    Parameter,
+    ParameterSpace,
+    PrimitiveCall,
+    PrimitiveSpace,
+)
+from prime_core.contracts.demonstration import Segment
+
+SegmentLists = Sequence[Sequence[Segment]]
+
+
+SEGMENT_COLUMNS = ("episode", "start", "end", "primitive", "parameters", "log_probability")
+
+
+def check_segments(segments: Sequence[Segment], frames: int, space: PrimitiveSpace) -> None:
+    """Check the segments of one demonstration.
+
+    Raises:
+        ValueError: If they overlap, leave the demonstration, or call what is not in the space.
+    """
+    reached = 0
+    for segment in segments:
+        if not reached <= segment.start < segment.end < frames:
+            raise ValueError(
+                f"segment {segment.start} to {segment.end} does not fit: segments are in order, "
+                f"the next begins at {reached} or later and ends at {frames - 1} or earlier"
+            )
+        name = segment.call.primitive
+        if name != OTHER and name not in space.names:
+            known = ", ".join(space.names)
+            raise ValueError(f"segment calls {name!r}; the space has {known} and {OTHER}")
+        count = 0 if name == OTHER else len(_parameters_of(space, name))
+        if segment.call.parameters.shape != (count,):
+            raise ValueError(
+                f"segment {segment.start} to {segment.end}: {name} has {count} parameters, "
+                f"not an array of shape {segment.call.parameters.shape}"
+            )
+        reached = segment.end
+
+
+def frame_labels(
+    segments: Sequence[Segment], frames: int, space: PrimitiveSpace
+) -> NDArray[np.int64]:
+    """Return the class of each frame, ``(frames,)``; frames without a segment are `other`.
+
+    The last frame, which no action leaves, has the class of the segment that ends there.
+    """
+    classes = (*space.names, OTHER)
+    labels = np.full(frames, len(space.names), dtype=np.int64)
+    for segment in segments:
+        end = frames if segment.end == frames - 1 else segment.end
+        labels[segment.start : end] = classes.index(segment.call.primitive)
+    return labels
+
+
+def motion_text(call: PrimitiveCall, space: PrimitiveSpace) -> str:
+    """Return a primitive call in words, such as ``grasp(x=0.512 m, yaw=0.310 rad)``."""
+    if call.primitive == OTHER:
+        return OTHER
+    parameters = _parameters_of(space, call.primitive).parameters
+    pairs = zip(parameters, call.parameters, strict=True)
+    words = ", ".join(f"{item.name}={value:.3f} {item.unit}" for item, value in pairs)
+    return f"{call.primitive}({words})"
+
+
+def _parameters_of(space: PrimitiveSpace, primitive: str) -> ParameterSpace:
+    return space.parameter_spaces[space.names.index(primitive)]
+
+
+def motion_column(segments: Sequence[Segment], frames: int, space: PrimitiveSpace, fps: int) -> Any:
+    """Return LeRobot's persistent language rows of one episode: all rows at every frame.
+
+    A row holds from its timestamp until the next row of its style, so `other` has rows too.
+    """
+    import pyarrow as pa
+
+    texts = [motion_text(segment.call, space) for segment in segments]
+    count = len(segments)
+    rows = pa.StructArray.from_arrays(
+        [
+            pa.array(["assistant"] * count, pa.string()),
+            pa.array(texts, pa.string()),
+            pa.array(["motion"] * count, pa.string()),
+            pa.array([segment.start / fps for segment in segments], pa.float32()),
+            pa.nulls(count, pa.string()),
+            pa.nulls(count, pa.list_(pa.json_())),
+        ],
+        names=["role", "content", "style", "timestamp", "camera", "tool_calls"],
+    )
+    offsets = pa.array(np.arange(frames + 1, dtype=np.int32) * count)
+    repeats = pa.array(np.tile(np.arange(count, dtype=np.int64), frames))
+    return pa.ListArray.from_arrays(offsets, rows.take(repeats))
+
+
+def segment_table(segments: SegmentLists) -> Any:
+    """Return the segments of all episodes as an arrow table."""
+    import pyarrow as pa
+
+    rows = [(episode, item) for episode, items in enumerate(segments) for item in items]
+    return pa.table(
+        {
+            "episode": pa.array([episode for episode, _ in rows], pa.int64()),
+            "start": pa.array([item.start for _, item in rows], pa.int64()),
+            "end": pa.array([item.end for _, item in rows], pa.int64()),
+            "primitive": pa.array([item.call.primitive for _, item in rows], pa.string()),
+            "parameters": pa.array(
+                [item.call.parameters.tolist() for _, item in rows], pa.list_(pa.float64())
+            ),
+            "log_probability": pa.array([item.log_probability for _, item in rows], pa.float64()),
+        }
+    )
+
+
+def segments_of(table: Any) -> dict[int, tuple[Segment, ...]]:
+    """Return the segments in an arrow table, by episode.
+
+    Raises:
+        KeyError: If a column is missing.
+    """
+    found: dict[int, list[Segment]] = {}
+    columns = [table[name].to_pylist() for name in SEGMENT_COLUMNS]
+    for episode, start, end, primitive, parameters, log_probability in zip(*columns, strict=True):
+        call = PrimitiveCall(primitive, np.array(parameters, dtype=np.float64))
+        found.setdefault(episode, []).append(Segment(start, end, call, log_probability))
+    return {episode: tuple(items) for episode, items in found.items()}
+
+
+def dump_space(space: PrimitiveSpace) -> list[dict[str, Any]]:
+    """Return a primitive space as plain data."""
+    pairs = zip(space.names, space.parameter_spaces, strict=True)
+    return [
+        {"name": name, "parameters": [vars(item) for item in parameters.parameters]}
+        for name, parameters in pairs
+    ]
+
+
+def load_space(dump: Sequence[Mapping[str, Any]]) -> PrimitiveSpace:
+    """Return the primitive space that `dump_space` made plain.
+
+    Raises:
+        KeyError: If a name is missing.
+        TypeError: If a parameter has not the keys of `Parameter`.
+    """
+    spaces = (
+        ParameterSpace(tuple(Parameter(**parameter) for parameter in item["parameters"]))
+        for item in dump
+    )
+    return PrimitiveSpace(tuple(item["name"] for item in dump), tuple(spaces))

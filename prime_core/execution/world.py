@@ -1,0 +1,41 @@
+"""An environment and the primitives that can be run in it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.environment import Environment
+from prime_core.contracts.primitive import Primitive
+from prime_core.errors import ConfigurationError
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """An environment and the primitives that can be run in it."""
+
+    environment: Environment
+    primitives: tuple[Primitive, ...]
+
+    @property
+    def description(self) -> SceneDescription:
+        """Of the environment's scenes."""
+        return self.environment.description
+
+    @property
+    def space(self) -> PrimitiveSpace:
+        """The primitives' names and parameters."""
+        return primitive_space(self.primitives)
+
+
+def primitive_space(primitives: Sequence[Primitive]) -> PrimitiveSpace:
+    """Return the names and parameters of primitives.
+
+    Raises:
+        ConfigurationError: If two have the same name.
+    """
+    names = tuple(item.name for item in primitives)
+    for name in names:
+        if names.count(name) > 1:
+            raise ConfigurationError(f"primitives: two of them are named {name!r}: leave one out")
+    return PrimitiveSpace(names, tuple(item.parameter_space for item in primitives))

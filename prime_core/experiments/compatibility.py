@@ -1,0 +1,64 @@
+"""Makes sure that what is learnt in other environments can be used in the task's."""
+
+from collections.abc import Iterator
+
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.calls import ParameterSpace
+from prime_core.errors import ConfigurationError
+from prime_core.execution.world import World
+from prime_core.experiments.experiment import Experiment
+from prime_core.registry.building import build_world
+
+
+def check_environments(experiment: Experiment) -> None:
+    """Make sure that models mean the same where they learn as where the task is.
+
+    Nothing is built where all rollouts come from the task's environment, or where the
+    demonstrations are parsed already.
+
+    Args:
+        experiment: With its variants.
+
+    Raises:
+        ConfigurationError: If an environment of the collection has other objects, another arm or
+            other parameters of primitives than the task's.
+    """
+    members = {"": experiment}
+    members |= {f"variants.{name}.": variant for name, variant in experiment.variants.items()}
+    for prefix, member in members.items():
+        task = member.demonstrations.environment
+        others = _other_environments(member, task)
+        if not others or not member.parsing.missing():
+            continue
+        primitives = member.collection.primitives
+        right = dict(_seen_by_models(build_world(task, primitives)))
+        for index, environment in others.items():
+            for part, found in _seen_by_models(build_world(environment, primitives)):
+                if found != right[part]:
+                    raise ConfigurationError(
+                        f"{prefix}collection.environments.{index}: found {environment['type']!r}, "
+                        f"which has other {part} than the task's environment {task['type']!r}: "
+                        f"{found}, not {right[part]}. What is learnt in the one is used in the "
+                        "other: name environments that agree"
+                    )
+
+
+def _other_environments(experiment: Experiment, task: ConfigDump) -> dict[int, ConfigDump]:
+    """Return where rollouts are collected by places in the list, but for the task's."""
+    environments = enumerate(experiment.collection.environments)
+    return {index: environment for index, environment in environments if environment != task}
+
+
+def _seen_by_models(world: World) -> Iterator[tuple[str, str]]:
+    """Yield what inputs and outputs of models depend on, and how it is there."""
+    objects = [f"{item.name} ({item.yaw_symmetry})" for item in world.description.objects]
+    yield "objects (and yaw symmetry)", ", ".join(objects)
+    yield "arm joints", str(world.description.joint_count)
+    for name, parameters in zip(world.space.names, world.space.parameter_spaces, strict=True):
+        yield f"parameters of {name}", _bounds(parameters)
+
+
+def _bounds(space: ParameterSpace) -> str:
+    return ", ".join(
+        f"{item.name} {item.low:g} to {item.high:g} {item.unit}" for item in space.parameters
+    )

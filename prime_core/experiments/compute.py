@@ -1,0 +1,46 @@
+"""Where an experiment runs."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from prime_core.configuration import Config
+
+SLURM_KEYS = ("partition", "account", "qos", "constraint", "memory_gb", "minutes", "setup")
+"""Keys of `ComputeConfig` that mean nothing on this machine alone."""
+
+
+class ComputeConfig(Config):
+    """Where an experiment runs; no result depends on it."""
+
+    cluster: Literal["local", "slurm"] = "local"
+    """``local`` uses processes of this machine, ``slurm`` submits jobs, whose nodes must see the
+    run's folder and this environment under the same paths."""
+    workers: int = Field(2, ge=0)
+    """Processes or jobs that share the work of a stage; 0 does it all in the process itself."""
+    partition: str | None = None
+    """Of Slurm; its default if there is none."""
+    account: str | None = None
+    """Of Slurm, to charge."""
+    qos: str | None = None
+    """Of Slurm."""
+    constraint: str | None = None
+    """Of Slurm, on what nodes there are."""
+    memory_gb: float = Field(3.0, gt=0)
+    """Of a Slurm job."""
+    minutes: int = Field(720, ge=1)
+    """That a Slurm job may take; what it has finished by then is kept."""
+    setup: tuple[str, ...] = ()
+    """Shell commands at the start of a Slurm job, such as ``module load ...``."""
+
+    @model_validator(mode="after")
+    def _slurm_keys_go_with_slurm(self) -> Self:
+        fields = type(self).model_fields
+        given = [name for name in SLURM_KEYS if getattr(self, name) != fields[name].default]
+        if self.cluster == "local" and given:
+            raise ValueError(
+                f"found {given[0]!r} with 'cluster: local': it is for 'cluster: slurm'"
+            )
+        if self.cluster == "slurm" and not self.workers:
+            raise ValueError("found 0 workers with 'cluster: slurm': at least 1 job is needed")
+        return self

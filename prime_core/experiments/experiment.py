@@ -1,0 +1,180 @@
+"""Wires the stages of an experiment."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from prime_core.errors import ConfigurationError
+from prime_core.experiments.settings import ExperimentConfig
+from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.demonstrations import Demonstrations
+from prime_core.experiments.stages.evaluation import Evaluation
+from prime_core.experiments.stages.export import Export
+from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.parsing import Parsing
+from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.replay import Replaying
+from prime_core.experiments.stages.stage import Stage
+from prime_core.experiments.stages.video import Video
+from prime_core.registry.fields import dump_choice
+
+_LONG = 60 * 24 * 14
+"""Minutes after which submitit takes a local job for hung; its default is two."""
+
+
+class Experiment:
+    """The stages of an experiment, in the order they run in.
+
+    Attributes:
+        config: The experiment.
+        folder: Where it keeps everything.
+        variants: The experiments that its variants are, by name, in the same folder.
+    """
+
+    def __init__(self, config: ExperimentConfig, folder: Path) -> None:
+        self.config = config
+        self.folder = folder.resolve()
+        infra = self._infra()
+        environment = dump_choice(config.environment)
+        self.demonstrations = Demonstrations(
+            environment=environment,
+            demonstrator=dump_choice(config.demonstrations),
+            seed=config.seed,
+            infra=infra,
+        )
+        self.collection = Collection(
+            environments=tuple(map(dump_choice, config.collection.environments)) or (environment,),
+            primitives=tuple(map(dump_choice, config.primitives)),
+            settings=config.collection.model_dump(mode="json", exclude={"environments"}),
+            seed=config.seed,
+            infra=infra,
+        )
+        self.idm = IdmTraining(
+            collection=self.collection,
+            pairs=config.pairs.model_dump(mode="json"),
+            idm=dump_choice(config.idm),
+            seed=config.seed,
+            infra=infra,
+        )
+        self.parsing = Parsing(
+            demonstrations=self.demonstrations,
+            idm=self.idm,
+            parser=dump_choice(config.parser),
+            infra=infra,
+        )
+        self.replay = Replaying(parsing=self.parsing, infra=infra)
+        self.export = Export(parsing=self.parsing, infra=infra)
+        self.evaluations: dict[str, Evaluation] = {}
+        self.videos: dict[str, Video] = {}
+        for name, policy in config.policies.items():
+            training = PolicyTraining(
+                parsing=self.parsing,
+                augmentation=config.augmentation.model_dump(mode="json"),
+                policy=dump_choice(policy),
+                seeds=config.seeds,
+                infra=infra,
+            )
+            settings = config.evaluation.model_dump(mode="json")
+            self.evaluations[name] = Evaluation(training=training, settings=settings, infra=infra)
+            steps = config.evaluation.maximum_steps
+            self.videos[name] = Video(training=training, maximum_steps=steps, infra=infra)
+        self.variants = {
+            name: Experiment(variant, folder)
+            for name, variant in config.resolved_variants().items()
+        }
+
+    def _infra(self) -> dict[str, Any]:
+        compute = self.config.compute
+        cache = self.folder / "stages"
+        cache.mkdir(parents=True, exist_ok=True)
+        infra: dict[str, Any] = {
+            "folder": cache,
+            "cluster": compute.cluster if compute.workers else None,
+            "max_jobs": compute.workers or None,
+            "keep_in_ram": False,
+            "timeout_min": _LONG,
+        }
+        if compute.cluster == "slurm":
+            infra |= {
+                "timeout_min": compute.minutes,
+                "cpus_per_task": 1,
+                "mem_gb": compute.memory_gb,
+                "slurm_partition": compute.partition,
+                "slurm_account": compute.account,
+                "slurm_qos": compute.qos,
+                "slurm_constraint": compute.constraint,
+                "slurm_setup": list(compute.setup) or None,
+            }
+        return infra
+
+    @property
+    def stages(self) -> dict[str, Stage]:
+        """All stages by name, in order.
+
+        Policies and their evaluations are ``policy.NAME``, ``evaluation.NAME`` and
+        ``video.NAME``. After the experiment's own come those of variants, ``VARIANT/STAGE``; one
+        that depends on the same as an earlier stage is that stage, and not named again.
+        """
+        stages = self._own_stages()
+        for name in self.variants:
+            known = _identities(stages)
+            stages |= {
+                f"{name}/{step}": stage
+                for step, stage in self.differing(name).items()
+                if stage.infra.uid() not in known
+            }
+        return stages
+
+    def differing(self, variant: str) -> dict[str, Stage]:
+        """Return a variant's stages that are none of the experiment's, by their own names.
+
+        What is made for people to look at, export and videos, the experiment makes of itself only.
+        """
+        known = _identities(self._own_stages())
+        return {
+            step: stage
+            for step, stage in self.variants[variant]._own_stages().items()
+            if not isinstance(stage, (Export, Video)) and stage.infra.uid() not in known
+        }
+
+    def _own_stages(self) -> dict[str, Stage]:
+        stages: dict[str, Stage] = {
+            "demonstrations": self.demonstrations,
+            "collection": self.collection,
+            "idm": self.idm,
+            "parsing": self.parsing,
+            "export": self.export,
+            "replay": self.replay,
+        }
+        for name, evaluation in self.evaluations.items():
+            stages[f"policy.{name}"] = evaluation.training
+            stages[f"evaluation.{name}"] = evaluation
+            stages[f"video.{name}"] = self.videos[name]
+        return stages
+
+    def until(self, last: str | None) -> dict[str, Stage]:
+        """Return the stages up to and with one of them, or all.
+
+        Raises:
+            ConfigurationError: If there is no such stage.
+        """
+        stages = self.stages
+        if last is None:
+            return stages
+        if last not in stages:
+            raise ConfigurationError(
+                f"--until {last}: there is no such stage. There are: {', '.join(stages)}"
+            )
+        return dict(_through(stages.items(), last))
+
+
+def _identities(stages: dict[str, Stage]) -> set[str]:
+    """Return what exca tells stages apart by: their kind, and all that they depend on."""
+    return {stage.infra.uid() for stage in stages.values()}
+
+
+def _through(items: Iterable[tuple[str, Stage]], last: str) -> Iterable[tuple[str, Stage]]:
+    for name, stage in items:
+        yield name, stage
+        if name == last:
+            return

@@ -1,0 +1,91 @@
+"""Parses demonstrations from elsewhere with the IDM of a run."""
+
+from pathlib import Path
+
+import yaml
+
+from prime_core.contracts.demonstration import DemonstratorConfig, ParsedDemonstration
+from prime_core.datasets.read import write_dataset
+from prime_core.errors import ConfigurationError, DatasetError
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import validate_experiment
+from prime_core.parsing.demonstrations import parse_demonstration
+from prime_core.registry.building import build_world
+from prime_core.registry.fields import validate_choice
+from prime_core.reporting.overview import draw_timelines_overview
+from prime_core.reporting.timeline import draw_timeline
+
+
+def open_run(folder: Path) -> Experiment:
+    """Open what a run left in its folder.
+
+    Raises:
+        ConfigurationError: If it is not the folder of a run.
+    """
+    path = folder / "experiment.yaml"
+    if not path.is_file():
+        raise ConfigurationError(
+            f"{folder}: there is no experiment.yaml in it: name the folder of a run, such as "
+            "runs/lift-quick"
+        )
+    data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return Experiment(validate_experiment(data, str(path)), folder)
+
+
+def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstration]:
+    """Parse demonstrations that a run has not seen, with its trained IDM and its parser.
+
+    Args:
+        source: A LeRobot data set's folder, or a robosuite HDF5 file.
+        run: The folder of the run.
+        target: Where the parsed data set and the timelines go; it must not exist.
+
+    Returns:
+        The parsed demonstrations.
+
+    Raises:
+        PrimeError: If the source cannot be read, the run has no trained IDM, or the target is
+            there already.
+    """
+    experiment = open_run(run)
+    if experiment.idm.missing():
+        raise ConfigurationError(
+            f"{run}: its IDM is not trained yet: prime run ... --until idm trains it"
+        )
+    if target.exists():
+        raise DatasetError(f"{target}: is there already: choose another folder with --out")
+    if not source.exists():
+        raise DatasetError(f"{source}: there is no such data set")
+    kind = "lerobot" if source.is_dir() else "robosuite-hdf5"
+    config = validate_choice("demonstrator", {"type": kind, "path": str(source)})
+    assert isinstance(config, DemonstratorConfig)
+    settings = experiment.config
+    idm, parser = experiment.idm.load(), settings.parser
+    parsed = [
+        parse_demonstration(
+            config.demonstrate(settings.environment, index, settings.seed), idm, parser
+        )
+        for index in range(config.count_available())
+    ]
+    _write(experiment, parsed, target)
+    return parsed
+
+
+def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:
+    environment = experiment.demonstrations.environment
+    world = build_world(environment, experiment.collection.primitives)
+    write_dataset(
+        target,
+        [item.demonstration for item in parsed],
+        world.description,
+        environment=environment,
+        segments=[item.segments for item in parsed],
+        space=world.space,
+    )
+    pictures = target.with_name(target.name + "-timelines")
+    pictures.mkdir(exist_ok=True)
+    draw_timelines_overview(pictures / "all.png", parsed, world.space)
+    for number, item in enumerate(parsed):
+        draw_timeline(
+            pictures / f"{number:03d}.png", item, world.space, description=world.description
+        )

@@ -1,0 +1,92 @@
+"""Gathers the results of an experiment into one file."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.results.provenance import _commit, versions
+from prime_core.experiments.results.summaries import summarise
+from prime_core.experiments.running import wall_seconds
+from prime_core.experiments.stages.evaluation import Evaluation
+from prime_core.experiments.stages.stage import TIMING, Stage
+from prime_core.files import new_file
+
+
+def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, Any]:
+    """Write ``results.json`` and, for each evaluated policy, ``trials-NAME.json``.
+
+    Of a variant's policies it is ``trials-VARIANT.NAME.json``; no policy's name holds a dot. Files
+    whose content would be the same are left alone.
+
+    Args:
+        experiment: Whose stages may be done or not.
+        command: What was typed.
+
+    Returns:
+        What ``results.json`` holds.
+    """
+    done = {name: stage for name, stage in experiment.stages.items() if not stage.missing()}
+    results = {
+        "name": experiment.config.name,
+        "command": list(command),
+        "commit": _commit(),
+        "versions": versions(),
+        "seeds": {
+            "experiment": experiment.config.seed,
+            "policies": list(experiment.config.seeds),
+            "evaluation": experiment.config.evaluation.seed,
+        },
+        "results": _gather(experiment, done, "trials-"),
+        "variants": {
+            name: _gather(variant, experiment.differing(name), f"trials-{name}.")
+            for name, variant in experiment.variants.items()
+        },
+        "timing": {name: _timing(stage) for name, stage in done.items()},
+    }
+    path = experiment.folder / "results.json"
+    if path.exists():
+        before = json.loads(path.read_text(encoding="utf-8"))
+        if all(before.get(key, {}) == results[key] for key in ("results", "variants", "timing")):
+            return dict(before)  # nothing was done: the command that did it stays
+    write_if_changed(path, json.dumps(results, indent=1))
+    return results
+
+
+def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> dict[str, Any]:
+    """Summarise those of an experiment's stages that are done, and write the policies' trials.
+
+    Args:
+        experiment: Or a variant of one.
+        stages: Those that count, by their own names.
+        trials: What the names of the trials' files begin with.
+    """
+    found: dict[str, Any] = {}
+    for name, stage in stages.items():
+        summary = None if stage.missing() else summarise(stage)
+        if summary is not None:
+            found[name] = summary
+        if summary is not None and isinstance(stage, Evaluation):
+            text = json.dumps(stage.trials())
+            path = experiment.folder / f"{trials}{name.removeprefix('evaluation.')}.json"
+            write_if_changed(path, text)
+    return found
+
+
+def _timing(stage: Stage) -> dict[str, Any]:
+    timings = [item[TIMING] for item in stage.results()]
+    return {
+        "items": len(timings),
+        "wall_seconds": round(wall_seconds(stage), 2),
+        "process_seconds": round(sum(item["seconds"] for item in timings), 2),
+        "peak_megabytes": round(max(item["peak_bytes"] for item in timings) / 2**20),
+    }
+
+
+def write_if_changed(path: Path, text: str) -> None:
+    """Write a file, aside first, unless it holds the text already."""
+    if path.exists() and path.read_text(encoding="utf-8") == text:
+        return
+    with new_file(path) as aside:
+        aside.write_text(text, encoding="utf-8")

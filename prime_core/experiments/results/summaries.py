@@ -1,0 +1,132 @@
+"""What is reported of each kind of stage."""
+
+import itertools
+from collections.abc import Sequence
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from prime_core.contracts.demonstration import ParsedDemonstration
+from prime_core.experiments.results.rates import mean_of_best, wilson_interval
+from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.evaluation import Evaluation
+from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.parsing import Parsing
+from prime_core.experiments.stages.replay import Replaying
+from prime_core.experiments.stages.stage import TIMING, Result, Stage
+
+Summary = dict[str, Any]
+
+
+@singledispatch
+def summarise(stage: Stage) -> Summary | None:
+    """Return the figures of a stage that is done, or None where there is nothing to report."""
+    return None
+
+
+@summarise.register
+def _(stage: Collection) -> Summary:
+    """Return how much was collected, and which draws passed the filter."""
+    shards = stage.compute(stage.items())
+    names: list[str] = []
+    counts = np.zeros((1, 2, 3), dtype=np.int64)
+    for shard in shards:
+        names, counts = list(shard["primitives"]), counts + np.asarray(shard["draws"])
+    transitions, rollouts = 0, np.zeros(len(names), dtype=np.int64)
+    for episode in stage.episodes():
+        transitions += len(episode.state) - 1
+        rollouts += np.bincount(episode.rollouts[:, 2], minlength=len(names))
+    draws: dict[str, Any] = {}
+    for index, name in enumerate(names):
+        rows = {"uniform": counts[index, 0], "prior": counts[index, 1]}
+        draws[name] = {
+            source: {
+                "drawn": int(drawn),
+                "reachable": int(tried),
+                "succeeded": int(passed),
+                "share": round(float(passed / drawn), 4) if drawn else None,
+            }
+            for source, (drawn, tried, passed) in rows.items()
+        }
+    return {
+        "transitions": transitions,
+        "rollouts": {name: int(count) for name, count in zip(names, rollouts, strict=True)},
+        "draws": draws,
+    }
+
+
+@summarise.register
+def _(stage: IdmTraining) -> Summary:
+    """Return the held-out accuracy and errors."""
+    return {name: value for name, value in stage.results()[0].items() if name != TIMING}
+
+
+@summarise.register
+def _(stage: Parsing) -> Summary:
+    """Return how long the sequences are, and what is left to `other`."""
+    return parsing_summary(stage.load())
+
+
+def parsing_summary(parsed: Sequence[ParsedDemonstration]) -> Summary:
+    """Return how long primitive sequences are, and what is left to `other`."""
+    steps = [item.demonstration.steps for item in parsed]
+    return {
+        "demonstrations": len(parsed),
+        "mean_steps": float(np.mean(steps)),
+        "mean_primitives": float(np.mean([item.primitives for item in parsed])),
+        "other_share": float(sum(item.other_steps for item in parsed) / max(sum(steps), 1)),
+        "sequences": [[segment.call.primitive for segment in item.segments] for item in parsed],
+    }
+
+
+@summarise.register
+def _(stage: Replaying) -> Summary:
+    """Return success rates and steps."""
+    results = stage.results()
+    return {
+        name: {
+            "success": float(np.mean([item[name]["success"] for item in results])),
+            "mean_steps": float(np.mean([item[name]["steps"] for item in results])),
+            "failed": [index for index, item in enumerate(results) if not item[name]["success"]],
+        }
+        for name in ("with_other", "without_other")
+    }
+
+
+@summarise.register
+def _(stage: Evaluation) -> Summary:
+    """Return success rates as the paper reports them, and of the fresh trials."""
+    config, trials = stage.config, stage.trials()
+    rates = {
+        seed: [_rate(rows) for rows in numbered.values()]
+        for seed, numbered in trials["checkpoint"].items()
+    }
+    best = {seed: mean_of_best(values, config.top_checkpoints) for seed, values in rates.items()}
+    summary: Summary = {
+        "runner": config.runner.model_dump(mode="json"),
+        "success": {
+            "mean": float(np.mean(list(best.values()))),
+            "standard_deviation": float(np.std(list(best.values()))),
+            "seeds": best,
+            "checkpoints": rates,
+        },
+    }
+    fresh = {
+        seed: list(itertools.chain.from_iterable(numbered.values()))
+        for seed, numbered in trials.get("fresh", {}).items()
+    }
+    if fresh:
+        rows = list(itertools.chain.from_iterable(fresh.values()))
+        summary["fresh"] = {
+            "trials": len(rows),
+            "mean": _rate(rows),
+            "interval_95": list(wilson_interval(sum(r["success"] for r in rows), len(rows))),
+            "seeds": {seed: _rate(values) for seed, values in fresh.items()},
+            "mean_steps": float(np.mean([row["steps"] for row in rows])),
+        }
+    return summary
+
+
+def _rate(trials: Sequence[Result]) -> float:
+    return float(np.mean([trial["success"] for trial in trials]))

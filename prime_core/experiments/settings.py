@@ -1,0 +1,106 @@
+"""The schema of an experiment."""
+
+import re
+from typing import Any, Self
+
+from pydantic import Field, TypeAdapter, field_validator, model_validator
+
+from prime_core.collection.settings import CollectionConfig
+from prime_core.configuration import Config
+from prime_core.execution.settings import EvaluationConfig
+from prime_core.experiments.compute import ComputeConfig
+from prime_core.experiments.variants import Changes, with_changes
+from prime_core.learning.augmentation import AugmentationConfig
+from prime_core.learning.training_pairs import PairConfig
+from prime_core.registry.fields import (
+    DemonstratorChoice,
+    EnvironmentChoice,
+    IdmChoice,
+    ParserChoice,
+    PolicyChoice,
+    PrimitiveChoice,
+)
+
+
+class CollectionPlaces(CollectionConfig):
+    """How rollouts are collected, and where."""
+
+    environments: tuple[EnvironmentChoice, ...] = ()
+    """Where to collect: episode n in environment n modulo their number. None given: where the task
+    is. Their objects, robots and workspaces must be those of the task's environment."""
+
+
+class ExperimentConfig(Config):
+    """An experiment: what a YAML file holds."""
+
+    name: str
+    """Of the folder under ``runs/``."""
+    seed: int = Field(0, ge=0)
+    """Of demonstrations, collection and the IDM."""
+    environment: EnvironmentChoice
+    """Where the task is."""
+    primitives: tuple[PrimitiveChoice, ...] = Field(min_length=1)
+    """The library of primitives."""
+    demonstrations: DemonstratorChoice
+    """Where the demonstrations come from."""
+    collection: CollectionPlaces = CollectionPlaces()
+    """How random rollouts are collected."""
+    pairs: PairConfig = PairConfig()
+    """What the IDM is trained on."""
+    idm: IdmChoice
+    """The inverse dynamics model."""
+    parser: ParserChoice
+    """The parser."""
+    augmentation: AugmentationConfig = AugmentationConfig()
+    """What the policies are trained on."""
+    policies: dict[str, PolicyChoice] = Field(min_length=1)
+    """Policies to train and compare, by names of your choice."""
+    seeds: tuple[int, ...] = Field((1, 2, 3), min_length=1)
+    """Of the policies' trainings."""
+    evaluation: EvaluationConfig = EvaluationConfig()
+    """How policies are evaluated."""
+    compute: ComputeConfig = ComputeConfig()
+    """Where the experiment runs."""
+    variants: dict[str, Changes] = Field(default_factory=dict)
+    """The experiment with some keys changed, by names of your choice."""
+
+    @field_validator("name")
+    @classmethod
+    def _name_is_a_folder(cls, name: str) -> str:
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name):
+            raise ValueError(f"found {name!r}: use letters, digits, '-', '_' and '.' only")
+        return name
+
+    @field_validator("policies", "variants")
+    @classmethod
+    def _names_are_words(cls, named: dict[str, Any]) -> dict[str, Any]:
+        for name in named:
+            if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
+                raise ValueError(f"found the name {name!r}: use letters, digits, '-', '_' only")
+        return named
+
+    @field_validator("seeds")
+    @classmethod
+    def _seeds_differ(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(seeds)) != len(seeds):
+            raise ValueError(f"found {list(seeds)}: each seed may be named once only")
+        return seeds
+
+    @model_validator(mode="after")
+    def _variants_are_experiments(self) -> Self:
+        self.resolved_variants()
+        return self
+
+    def resolved_variants(self) -> dict[str, "ExperimentConfig"]:
+        """Return the experiments that the variants are, by their names.
+
+        Raises:
+            pydantic.ValidationError: If one is wrong; its place begins with ``variants``.
+        """
+        if not self.variants:
+            return {}
+        data = self.model_dump(mode="json", exclude={"variants"})
+        changed = {name: with_changes(data, changes) for name, changes in self.variants.items()}
+        # In mappings as in the experiment, so that the place of a mistake reads as it does there.
+        places = TypeAdapter(dict[str, dict[str, ExperimentConfig]])
+        return places.validate_python({"variants": changed})["variants"]

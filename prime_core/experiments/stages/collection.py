@@ -1,0 +1,103 @@
+"""The stage that collects rollouts of random primitives."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from prime_core.collection.draws import Draws
+from prime_core.collection.episode import collect_episode
+from prime_core.collection.recording import CollectedEpisode
+from prime_core.collection.settings import CollectionConfig
+from prime_core.configuration import ConfigDump
+from prime_core.execution.world import World
+from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.registry.building import build_world
+
+_STREAM = 1
+"""Keeps the draws of collection apart from those of other stages with the same seed."""
+
+
+class Collection(Stage):
+    """Rollouts of random primitives and motor actions, by shards of a few episodes."""
+
+    title: ClassVar[str] = "collection"
+    unit: ClassVar[str] = "shards"
+
+    environments: tuple[ConfigDump, ...] = Field(min_length=1)
+    primitives: tuple[ConfigDump, ...]
+    settings: ConfigDump
+    seed: int
+
+    @property
+    def config(self) -> CollectionConfig:
+        """How to collect, but for where."""
+        return CollectionConfig.model_validate(self.settings)
+
+    def build_world(self) -> World:
+        """Build where the first episode is collected; the others' worlds have the same models."""
+        return build_world(self.environments[0], self.primitives)
+
+    def items(self) -> list[str]:
+        """Return the shards' numbers."""
+        return [str(index) for index in range(self.config.shards)]
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Collect shards; an episode depends on the seed and its number only."""
+        config = self.config
+        worlds = [build_world(dump, self.primitives) for dump in self.environments]
+        space = worlds[0].space
+        for item in items:
+            episodes = []
+            draws = Draws.none(len(space.names))
+            for number in config.shard_episodes(int(item)):
+                world = worlds[number % len(worlds)]
+                generator = np.random.default_rng([self.seed, _STREAM, number])
+                episode, counted = collect_episode(
+                    world.environment, world.primitives, space, config, generator
+                )
+                episodes.append(_kept(episode))
+                draws.counts += counted.counts
+            yield {
+                "episodes": episodes,
+                "draws": draws.counts,
+                "width": space.width,
+                "primitives": list(space.names),
+            }
+
+    def episodes(self, start: int = 0, end: int | None = None) -> Iterator[CollectedEpisode]:
+        """Read episodes one after another, which bounds the memory.
+
+        Args:
+            start: Number of the first one.
+            end: Number of the one after the last; None for all that follow.
+        """
+        config = self.config
+        end = config.episodes if end is None else end
+        for item in self.items():
+            numbers = config.shard_episodes(int(item))
+            if numbers.stop <= start or numbers.start >= end:
+                continue
+            (shard,) = self.compute([item])
+            for number, episode in zip(numbers, shard["episodes"], strict=True):
+                if start <= number < end:
+                    yield _restored(episode, shard["width"])
+
+
+def _kept(episode: CollectedEpisode) -> dict[str, np.ndarray[Any, Any]]:
+    """Return an episode's arrays but for empty ones, which exca cannot keep."""
+    arrays = {part.name: getattr(episode, part.name) for part in fields(episode)}
+    return {name: values for name, values in arrays.items() if values.size}
+
+
+def _restored(arrays: dict[str, Any], width: int) -> CollectedEpisode:
+    """Return an episode from the arrays that were kept of it."""
+    empty = {
+        "rollouts": np.empty((0, 3), dtype=np.int64),
+        "parameters": np.empty((0, width)),
+        "others": np.empty((0, 2), dtype=np.int64),
+    }
+    kept = {name: np.array(values) for name, values in arrays.items()}
+    return CollectedEpisode(**{**empty, **kept})

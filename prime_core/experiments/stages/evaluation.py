@@ -1,0 +1,96 @@
+"""The stage that evaluates a policy's checkpoints."""
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.policy import Policy
+from prime_core.execution.settings import EvaluationConfig
+from prime_core.execution.trial import Trial, run_trial
+from prime_core.execution.world import World
+from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.stage import Result, Stage
+
+_STREAMS = {"checkpoint": 4, "fresh": 5}
+"""Trials of all checkpoints, and fresh trials of the last one, never share a first state."""
+
+
+BATCH = 10
+"""Trials of an item: one loading of a checkpoint serves them all."""
+
+
+class Evaluation(Stage):
+    """Trials of a policy: ``KIND/SEED/CHECKPOINT/BATCH`` an item, each trial recorded."""
+
+    title: ClassVar[str] = "evaluation"
+    unit: ClassVar[str] = "batches of trials"
+
+    training: PolicyTraining
+    settings: ConfigDump
+
+    @property
+    def config(self) -> EvaluationConfig:
+        """How many trials."""
+        return EvaluationConfig.model_validate(self.settings)
+
+    def items(self) -> list[str]:
+        """Return the batches of trials."""
+        config, items = self.config, []
+        checkpoints = self.training.config.count_checkpoints()
+        for seed in self.training.items():
+            for number in range(checkpoints):
+                batches = -(-config.trials // BATCH)
+                items += [f"checkpoint/{seed}/{number}/{batch}" for batch in range(batches)]
+            batches = -(-config.fresh_trials // BATCH)
+            items += [f"fresh/{seed}/{checkpoints - 1}/{batch}" for batch in range(batches)]
+        return items
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Run trials."""
+        config, world = self.config, self.training.build_world()
+        loaded: tuple[str, Policy] | None = None
+        for item in items:
+            kind, seed, number, batch = item.split("/")
+            total = config.trials if kind == "checkpoint" else config.fresh_trials
+            first = int(batch) * BATCH
+            path = self.training.checkpoints(seed)[int(number)]
+            if loaded is None or loaded[0] != str(path):
+                policy = self.training.config.load(path, world.description, world.space)
+                loaded = str(path), policy
+            trials = []
+            for trial in range(first, min(first + BATCH, total)):
+                # All checkpoints of a seed meet the same first states, other seeds other ones.
+                generator = np.random.default_rng([config.seed, _STREAMS[kind], int(seed), trial])
+                trials.append(_record(self._run(world, loaded[1], generator)))
+            yield {"trials": trials}
+
+    def _run(self, world: World, policy: Policy, generator: np.random.Generator) -> Trial:
+        return run_trial(
+            world.environment, world.primitives, policy, generator, self.config.maximum_steps
+        )
+
+    def trials(self) -> dict[str, dict[str, dict[str, list[Result]]]]:
+        """Return all trials by kind, seed and checkpoint."""
+        found: dict[str, dict[str, dict[str, list[Result]]]] = {}
+        for item, result in zip(self.items(), self.results(), strict=True):
+            kind, seed, number, _ = item.split("/")
+            rows = found.setdefault(kind, {}).setdefault(seed, {}).setdefault(number, [])
+            rows.extend(result["trials"])
+        return found
+
+
+def _record(trial: Trial) -> Result:
+    return {
+        "success": trial.success,
+        "steps": trial.steps,
+        "calls": [
+            {
+                "primitive": call.primitive,
+                "parameters": [float(value) for value in call.parameters],
+                "completed": completed,
+            }
+            for call, completed in zip(trial.calls, trial.completed, strict=True)
+        ],
+    }

@@ -1,0 +1,70 @@
+"""The stage that trains the inverse dynamics model."""
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from prime_core.collection.rollouts import RolloutTable
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
+from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.learning.idm_report import report_on
+from prime_core.learning.training_pairs import PairConfig, training_pairs
+from prime_core.registry.fields import validate_choice
+
+_STREAM = 2
+
+
+class IdmTraining(Stage):
+    """An IDM, trained on the collected rollouts."""
+
+    title: ClassVar[str] = "idm"
+    unit: ClassVar[str] = "models"
+
+    collection: Collection
+    pairs: ConfigDump
+    idm: ConfigDump
+    seed: int
+
+    @property
+    def config(self) -> IdmConfig:
+        """Which model."""
+        config = validate_choice("idm", self.idm)
+        assert isinstance(config, IdmConfig)
+        return config
+
+    def items(self) -> list[str]:
+        """Return the one item."""
+        return ["model"]
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Train the model and test it on held-out rollouts."""
+        for item in items:
+            world = self.collection.build_world()
+            space = world.space
+            pairs = PairConfig.model_validate(self.pairs)
+            generator = np.random.default_rng([self.seed, _STREAM])
+            count = self.collection.config.episodes
+            cut = max(1, count - round(count * pairs.held_out_share))
+            table = RolloutTable(self.collection.episodes(end=cut), pairs.around)
+            data = training_pairs(table, space, pairs, generator)
+            model = self.config.fit(
+                data,
+                world.description,
+                space,
+                self.folder / item,
+                self.seed,
+                self.progress_writer(item),
+            )
+            exact = pairs.model_copy(update={"jittered_copies": 0})
+            left_out = RolloutTable(self.collection.episodes(start=cut)) if cut < count else table
+            held_out = training_pairs(left_out, space, exact, generator)
+            yield report_on(model, held_out)
+
+    def load(self) -> InverseDynamicsModel:
+        """Return the trained model."""
+        self.results()
+        world = self.collection.build_world()
+        return self.config.load(self.folder / "model", world.description, world.space)

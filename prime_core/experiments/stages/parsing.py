@@ -1,0 +1,68 @@
+"""The stage that parses demonstrations into primitive sequences."""
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.calls import PrimitiveCall
+from prime_core.contracts.demonstration import ParsedDemonstration, Segment
+from prime_core.contracts.parser import ParserConfig
+from prime_core.experiments.stages.demonstrations import Demonstrations
+from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.parsing.demonstrations import parse_demonstration
+from prime_core.registry.fields import validate_choice
+
+
+class Parsing(Stage):
+    """Demonstrations as primitive sequences, one an item."""
+
+    title: ClassVar[str] = "parsing"
+    unit: ClassVar[str] = "demonstrations"
+
+    demonstrations: Demonstrations
+    idm: IdmTraining
+    parser: ConfigDump
+
+    @property
+    def config(self) -> ParserConfig:
+        """Which parser."""
+        config = validate_choice("parser", self.parser)
+        assert isinstance(config, ParserConfig)
+        return config
+
+    def items(self) -> list[str]:
+        """Return the demonstrations' numbers."""
+        return self.demonstrations.items()
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Parse demonstrations."""
+        config, idm, shown = self.config, self.idm.load(), self.demonstrations.load()
+        for item in items:
+            parsed = parse_demonstration(shown[int(item)], idm, config)
+            yield {"segments": [_plain(segment) for segment in parsed.segments]}
+
+    def load(self) -> list[ParsedDemonstration]:
+        """Return all demonstrations with their segments."""
+        shown = self.demonstrations.load()
+        return [
+            ParsedDemonstration(item, tuple(_segment(row) for row in result["segments"]))
+            for item, result in zip(shown, self.results(), strict=True)
+        ]
+
+
+def _plain(segment: Segment) -> Result:
+    return {
+        "start": segment.start,
+        "end": segment.end,
+        "primitive": segment.call.primitive,
+        "parameters": [float(value) for value in segment.call.parameters],
+        "log_probability": float(segment.log_probability),
+    }
+
+
+def _segment(row: Result) -> Segment:
+    call = PrimitiveCall(row["primitive"], np.array(row["parameters"], dtype=np.float64))
+    return Segment(row["start"], row["end"], call, row["log_probability"])

@@ -1,0 +1,61 @@
+"""The stage that films an episode of a policy."""
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.contracts.scene import Scene
+from prime_core.execution.settings import EvaluationConfig
+from prime_core.execution.trial import run_trial
+from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.reporting.video import write_video
+
+_STREAM = 6
+
+
+CAMERA = "agentview"
+
+
+SIZE = 256
+"""Height and width of the picture in pixels; software rendering makes larger ones slow."""
+
+
+class Video(Stage):
+    """An episode of the first seed's last checkpoint, filmed."""
+
+    title: ClassVar[str] = "video"
+    unit: ClassVar[str] = "episodes"
+    optional: ClassVar[bool] = True
+
+    training: PolicyTraining
+    maximum_steps: int = EvaluationConfig().maximum_steps
+
+    def items(self) -> list[str]:
+        """Return the one item."""
+        return ["episode"]
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Film an episode."""
+        for item in items:
+            world = self.training.build_world()
+            seed = self.training.items()[0]
+            path = self.training.checkpoints(seed)[-1]
+            policy = self.training.config.load(path, world.description, world.space)
+            pictures: list[NDArray[np.uint8]] = []
+
+            def film(_: Scene, pictures: list[NDArray[np.uint8]] = pictures) -> None:
+                pictures.append(world.environment.render_camera(CAMERA, SIZE, SIZE))  # noqa: B023
+
+            trial = run_trial(
+                world.environment,
+                world.primitives,
+                policy,
+                np.random.default_rng([int(seed), _STREAM]),
+                self.maximum_steps,
+                on_step=film,
+            )
+            write_video(self.folder / f"{item}.mp4", np.array(pictures))
+            yield {"file": f"{item}.mp4", "success": trial.success, "steps": trial.steps}

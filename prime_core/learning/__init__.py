@@ -1,0 +1,4 @@
+"""Makes training data of rollouts and parsed demonstrations; tests models on held-out rollouts.
+
+Networks live in plugins; what they learn from is made here.
+"""

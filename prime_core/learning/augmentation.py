@@ -1,0 +1,120 @@
+"""Makes what a policy learns from: rollouts, and parsed demonstrations augmented step by step."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from prime_core.arrays import Indices
+from prime_core.collection.rollouts import RolloutTable
+from prime_core.configuration import Config
+from prime_core.contracts.calls import OTHER
+from prime_core.contracts.demonstration import ParsedDemonstration
+from prime_core.contracts.idm import InverseDynamicsModel
+from prime_core.contracts.observations import Frames
+from prime_core.contracts.training import PolicyData
+from prime_core.learning.training_pairs import balanced_weights
+
+
+class AugmentationConfig(Config):
+    """Settings of the stepwise augmentation (paper, section III-C)."""
+
+    type_frames: int = Field(50, ge=1)
+    """Frames of a segment at most that the type network learns from."""
+    parameter_frames: int = Field(100, ge=1)
+    """Frames of a segment at most that the parameter network learns from."""
+    parameter_share: float = Field(0.3, gt=0, le=1)
+    """Share of a segment, from its start, whose frames the parameter network learns from. Later on
+    the gripper has turned to where it will be: who learns from that leaves it as it is. In the
+    paper it is 1."""
+    type_margin: int = Field(11, ge=0)
+    """Steps at the end of a segment that the type network does not learn from."""
+
+
+def rollout_policy_data(table: RolloutTable) -> PolicyData:
+    """Return the starts of rollouts, labelled with the calls that were made there."""
+    starts, labels = table.rows(table.rollouts[:, 0]), table.rollouts[:, 2]
+    weights = balanced_weights(labels)
+    return PolicyData(
+        table.frames, starts, labels, weights, starts, labels, table.parameters, weights
+    )
+
+
+def augmented_policy_data(
+    parsed: Sequence[ParsedDemonstration],
+    idm: InverseDynamicsModel,
+    config: AugmentationConfig,
+    generator: np.random.Generator,
+) -> PolicyData:
+    """Label frames inside segments with the primitive call that leads to the segment's end.
+
+    Segments of `other` are left out. Parameters are the IDM's for (s_l, s_end).
+
+    Args:
+        parsed: The parsed demonstrations.
+        idm: Gives the parameters.
+        config: How many frames.
+        generator: Draws the frames.
+
+    Returns:
+        All labelled frames, each segment with the same weight for the types, each frame for
+        the parameters.
+    """
+    space = idm.space
+    types = _Columns()
+    values = _Columns()
+    parameters: list[NDArray[np.float64]] = []
+    offset = 0
+    for item in parsed:
+        features = idm.encode(item.demonstration.frames)
+        for segment in item.segments:
+            if segment.call.primitive == OTHER:
+                continue
+            label = space.names.index(segment.call.primitive)
+            last = max(segment.start + 1, segment.end - config.type_margin)
+            chosen = _draw(segment.start, last, config.type_frames, generator)
+            types.add(chosen + offset, label, 1.0 / len(chosen))
+            last = segment.start + max(1, round(config.parameter_share * segment.steps))
+            chosen = _draw(segment.start, last, config.parameter_frames, generator)
+            values.add(chosen + offset, label, 1.0)
+            pairs = np.stack((chosen, np.full_like(chosen, segment.end)), axis=1)
+            parameters.append(idm.parameters(features, pairs, np.full_like(chosen, label))[0])
+        offset += len(item.demonstration.frames)
+    frames = Frames(
+        np.concatenate([item.demonstration.frames.state for item in parsed]),
+        np.concatenate([item.demonstration.frames.environment_state for item in parsed]),
+    )
+    rows = np.concatenate([*parameters, np.empty((0, space.width))])
+    return PolicyData(frames, *types.arrays(), *values.arrays()[:2], rows, values.arrays()[2])
+
+
+class _Columns:
+    """Frames, labels and weights as they come."""
+
+    def __init__(self) -> None:
+        self._frames: list[Indices] = []
+        self._labels: list[Indices] = []
+        self._weights: list[NDArray[np.float64]] = []
+
+    def add(self, frames: Indices, label: int, weight: float) -> None:
+        self._frames.append(frames)
+        self._labels.append(np.full(len(frames), label, dtype=np.int64))
+        self._weights.append(np.full(len(frames), weight))
+
+    def arrays(self) -> tuple[Indices, Indices, NDArray[np.float64]]:
+        nothing = np.empty(0, dtype=np.int64)
+        return (
+            np.concatenate([nothing, *self._frames]),
+            np.concatenate([nothing, *self._labels]),
+            np.concatenate([np.empty(0), *self._weights]),
+        )
+
+
+def _draw(first: int, end: int, count: int, generator: np.random.Generator) -> Indices:
+    """Return the first frame and others before ``end``, ``count`` at most, in order."""
+    frames = np.arange(first, end)
+    if len(frames) <= count:
+        return frames
+    others = generator.choice(frames[1:], count - 1, replace=False)
+    return np.sort(np.concatenate((frames[:1], others)))

@@ -1,0 +1,110 @@
+"""Makes what an IDM learns from out of collected episodes."""
+
+import numpy as np
+from pydantic import Field
+
+from prime_core.arrays import Floats, Indices
+from prime_core.collection.rollouts import RolloutTable
+from prime_core.configuration import Config
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.observations import OBJECT_WIDTH
+from prime_core.contracts.training import PairData
+
+
+class PairConfig(Config):
+    """Settings of the training pairs."""
+
+    hard_negatives: float = Field(1.0, ge=0)
+    """Pairs of `other` made of the start of one rollout and the end of another rollout of the
+    same primitive in another episode, per rollout."""
+    jitter_steps: int = Field(10, ge=0)
+    """Each rollout is also given to the parameter network with both ends moved by up to this
+    many steps."""
+    jittered_copies: int = Field(1, ge=0)
+    """How often."""
+    held_out_share: float = Field(0.1, ge=0, lt=1)
+    """Share of episodes, the last ones, that the IDM is tested on and does not see in training."""
+
+    @property
+    def around(self) -> int:
+        """Frames on either side of the ends of rollouts that jitter may move them to."""
+        return self.jitter_steps if self.jittered_copies else 0
+
+
+def training_pairs(
+    table: RolloutTable, space: PrimitiveSpace, config: PairConfig, generator: np.random.Generator
+) -> PairData:
+    """Make the pairs that an IDM is trained on.
+
+    Args:
+        table: The rollouts, with ``config.around`` frames about their ends.
+        space: The primitives.
+        config: Which pairs.
+        generator: Of all random draws.
+
+    Returns:
+        Pairs, each primitive weighted by 1 / (number of its pairs), as in the paper.
+    """
+    pairs, labels = table.rollouts[:, :2], table.rollouts[:, 2]
+    others = np.concatenate((table.others, hard_negatives(table, config, generator)))
+    type_pairs = np.concatenate((pairs, others))
+    type_labels = np.concatenate((labels, np.full(len(others), len(space.names))))
+    copies = [pairs, *(_jittered(table, config, generator) for _ in range(config.jittered_copies))]
+    parameter_labels = np.tile(labels, len(copies))
+    return PairData(
+        frames=table.frames,
+        type_pairs=table.rows(type_pairs),
+        type_labels=type_labels,
+        type_weights=balanced_weights(type_labels),
+        parameter_pairs=table.rows(np.concatenate(copies)),
+        parameter_labels=parameter_labels,
+        parameters=np.tile(table.parameters, (len(copies), 1)),
+        parameter_weights=balanced_weights(parameter_labels),
+    )
+
+
+def balanced_weights(labels: Indices) -> Floats:
+    """Return 1 / (number of rows with the same label) for each row, ``(n,)``."""
+    return 1.0 / np.bincount(labels)[labels] if len(labels) else np.empty(0)
+
+
+def hard_negatives(
+    table: RolloutTable, config: PairConfig, generator: np.random.Generator
+) -> Indices:
+    """Join the start of one rollout with the end of another one of its primitive.
+
+    The two are of different episodes, nothing is held at the start, and some object lies more
+    than 2 cm elsewhere at the end: with something in the hand, a place could lead there.
+
+    Returns:
+        Start and end frames, ``(k, 2)``.
+    """
+    rollouts = table.rollouts
+    if not len(rollouts):
+        return np.empty((0, 2), dtype=np.int64)
+    count = round(config.hard_negatives * len(rollouts))
+    first = rollouts[generator.integers(len(rollouts), size=count)]
+    second = rollouts[generator.integers(len(rollouts), size=count)]
+    for label in np.unique(rollouts[:, 2]):
+        # The end comes from another rollout of the same primitive.
+        rows, same = first[:, 2] == label, rollouts[rollouts[:, 2] == label]
+        second[rows] = same[generator.integers(len(same), size=int(rows.sum()))]
+    start, end = first[:, 0], second[:, 1]
+    objects = table.frames.environment_state.reshape(len(table.frames), -1, OBJECT_WIDTH)
+    before, after = objects[table.rows(start)], objects[table.rows(end)]
+    moved = np.linalg.norm(before[:, :, :3] - after[:, :, :3], axis=-1)
+    keep = table.episode(start) != table.episode(end)
+    keep &= before[:, :, 7].max(axis=-1, initial=0) < 0.5
+    keep &= moved.max(axis=-1, initial=0) > 0.02
+    pairs: Indices = np.stack((start, end), axis=1)[keep]
+    return pairs
+
+
+def _jittered(table: RolloutTable, config: PairConfig, generator: np.random.Generator) -> Indices:
+    pairs = table.rollouts[:, :2]
+    shift = generator.integers(-config.jitter_steps, config.jitter_steps + 1, pairs.shape)
+    moved = np.clip(pairs + shift, 0, table.last)
+    outside = table.episode(moved) != table.episode(pairs)
+    short = (moved[:, 1] <= moved[:, 0])[:, None]
+    jittered: Indices = np.where(outside | short, pairs, moved)
+    return jittered
