@@ -1,12 +1,13 @@
-"""Types of arrays."""
+"""Types of arrays that are used everywhere."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-Indices = NDArray[np.int64]
-
+Array = NDArray[np.float64]
+"""Lengths, angles and poses."""
 
 Floats = NDArray[np.float64]
+"""Plain numbers, such as weights."""
 
-
-Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+"""Rows of other arrays."""

@@ -12,6 +12,16 @@ class ConfigurationError(PrimeError):
     """A setting is wrong. The text names the file and the key."""
 
 
+class UnknownObjectsError(PrimeError):
+    """Something asks where objects are, in a scene that does not tell."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "object poses are asked for, but this scene does not tell them: only models that see "
+            "objects, priors and success criteria may look at them"
+        )
+
+
 class UnknownTypeError(ConfigurationError):
     """A name is asked for that nothing is registered under.
 

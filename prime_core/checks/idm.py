@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from prime_core.arrays import Indices
 from prime_core.checks.requirement import CheckError, require, require_array
-from prime_core.checks.samples import DESCRIPTION, SPACE, sample_frames, sample_pair_data
+from prime_core.checks.samples import CONTEXT, SPACE, sample_observations, sample_pairs
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
-from prime_core.contracts.training import no_progress
+from prime_core.contracts.training import TrainingContext
 from prime_core.errors import PrimeError
 
 Numbers = NDArray[np.floating]
@@ -23,7 +23,7 @@ def check_idm(config: IdmConfig, seed: int = 0) -> None:
     """Check on made-up pairs that an inverse dynamics model keeps its contract.
 
     It is trained twice in a temporary folder, so give it settings that train briefly. What
-    it learns is not looked at; see `prime_core.arrays` for the contract.
+    it learns is not looked at; see `prime_core.contracts.idm` for the contract.
 
     Args:
         config: Settings of the model.
@@ -38,7 +38,7 @@ def check_idm(config: IdmConfig, seed: int = 0) -> None:
         model = _fit(config, folder / "first", seed)
         answers = _check_answers(model, seed)
         advice = "weights and all that answers depend on must be kept in the folder"
-        loaded = config.load(folder / "first", DESCRIPTION, SPACE)
+        loaded = config.load(folder / "first", CONTEXT)
         _require_same(
             answers, _check_answers(loaded, seed), f"load() gives another model: {advice}"
         )
@@ -59,8 +59,8 @@ def check_idm(config: IdmConfig, seed: int = 0) -> None:
 
 def _fit(config: IdmConfig, folder: Path, seed: int) -> InverseDynamicsModel:
     folder.mkdir(exist_ok=True)
-    data = sample_pair_data(seed)
-    model = config.fit(data, DESCRIPTION, SPACE, folder, seed, no_progress)
+    context = TrainingContext(**vars(CONTEXT), folder=folder, seed=seed)
+    model = config.fit(sample_pairs(seed), context)
     require(
         isinstance(model, InverseDynamicsModel),
         f"fit() returned a {type(model).__name__}: it must return an InverseDynamicsModel",
@@ -72,7 +72,7 @@ def _fit(config: IdmConfig, folder: Path, seed: int) -> InverseDynamicsModel:
 def _check_missing(config: IdmConfig, folder: Path) -> None:
     folder.mkdir()
     try:
-        config.load(folder, DESCRIPTION, SPACE)
+        config.load(folder, CONTEXT)
     except PrimeError:
         return
     except Exception as problem:
@@ -86,12 +86,12 @@ def _check_missing(config: IdmConfig, folder: Path) -> None:
 def _check_answers(model: InverseDynamicsModel, seed: int) -> list[Numbers]:
     """Return encoding, scores, parameters and densities of some pairs, checked."""
     generator = np.random.default_rng(seed + 1)
-    frames = sample_frames(generator, 12)
-    features = model.encode(frames)
+    seen = sample_observations(generator, 12)
+    features = model.encode(seen)
     width = features.shape[1] if np.ndim(features) == 2 else 1
     require_array(features, (12, width), np.float32, "encode()")
     require(
-        np.allclose(model.encode(frames[:5]), features[:5], rtol=TOLERANCE, atol=TOLERANCE),
+        np.allclose(model.encode(seen[:5]), features[:5], rtol=TOLERANCE, atol=TOLERANCE),
         "encode() of five frames differs from the same five among others: each frame must be "
         "encoded alone",
     )

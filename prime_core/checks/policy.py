@@ -1,72 +1,99 @@
-"""The contract of a policy."""
+"""The contracts of policies: over primitives, and over motor actions."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, get_args
 
 import numpy as np
 
-from prime_core.checks.requirement import CheckError, require, require_array
-from prime_core.checks.samples import DESCRIPTION, SPACE, sample_frames, sample_policy_data
-from prime_core.contracts.calls import PrimitiveCall
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
-from prime_core.contracts.policy import Policy, PolicyConfig
-from prime_core.contracts.scene import Scene
-from prime_core.contracts.training import no_progress
+from prime_core.checks.motor_policy import check_actions, fit_motor_policy
+from prime_core.checks.primitive_policy import check_calls, fit_primitive_policy
+from prime_core.checks.requirement import CheckError, require
+from prime_core.checks.samples import CONTEXT, Answer
+from prime_core.contracts.observations import Modality
+from prime_core.contracts.policy import (
+    MotorPolicy,
+    MotorPolicyConfig,
+    PolicyConfig,
+    PrimitivePolicy,
+    PrimitivePolicyConfig,
+)
+from prime_core.contracts.training import TrainingContext
 from prime_core.errors import PrimeError
 
-SCENES = 8
+TOLERANCE = 1e-4
+"""Relative and absolute; of answers that must agree. Networks compute in float32."""
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What differs between the two kinds of policies.
+
+    Attributes:
+        base: Of the policies.
+        fit: Trains one on made-up data.
+        answers: Checks what one does, and returns it as something that can be compared.
+    """
+
+    base: type[Any]
+    fit: Callable[[Any, TrainingContext], Sequence[Path]]
+    answers: Callable[[Any, int], list[Answer]]
 
 
 def check_policy(config: PolicyConfig, seed: int = 0) -> None:
     """Check on made-up demonstrations that a policy keeps its contract.
 
     It is trained twice in a temporary folder, so give it settings that train briefly. What
-    it learns is not looked at; see `prime_core.contracts.training` for the contract.
+    it learns is not looked at; see `prime_core.contracts.policy` for the contract.
 
     Args:
-        config: Settings of the policy.
+        config: Settings of a policy of either kind.
         seed: Of the demonstrations and the training.
 
     Raises:
         CheckError: If it breaks the contract.
     """
+    kind = _kind_of(config)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         _check_missing(config, folder / "missing")
-        checkpoints = _fit(config, folder / "first", seed)
-        policies = [config.load(item, DESCRIPTION, SPACE) for item in checkpoints]
-        for policy in policies:
-            require(
-                isinstance(policy, Policy),
-                f"load() returned a {type(policy).__name__}: it must return a Policy",
-            )
-            _check_masks(policy, seed)
-        calls = _act(policies[-1], seed)
+        checkpoints = _fit(kind, config, folder / "first", seed)
+        policies = [_load(kind, config, item) for item in checkpoints]
+        answers = [kind.answers(policy, seed) for policy in policies]
         _require_same(
-            calls,
-            _act(policies[-1], seed),
-            "act() makes other calls with the same seed: all draws must come from the generator "
-            "that it is given, and it must not remember earlier scenes",
+            answers[-1],
+            kind.answers(policies[-1], seed),
+            "a policy does other things with the same seed: all draws must come from the generator "
+            "that it is given, and it must not remember earlier episodes",
         )
-        again = config.load(checkpoints[-1], DESCRIPTION, SPACE)
-        _require_same(calls, _act(again, seed), "a checkpoint loaded twice gives two policies")
-        others = _fit(config, folder / "second", seed)
-        other = config.load(others[-1], DESCRIPTION, SPACE)
+        again = _load(kind, config, checkpoints[-1])
         _require_same(
-            calls,
-            _act(other, seed),
+            answers[-1], kind.answers(again, seed), "a checkpoint loaded twice gives two policies"
+        )
+        others = _fit(kind, config, folder / "second", seed)
+        _require_same(
+            answers[-1],
+            kind.answers(_load(kind, config, others[-1]), seed),
             f"two trainings with seed {seed} give two policies: all draws must come from the seed",
         )
 
 
-def _fit(config: PolicyConfig, folder: Path, seed: int) -> Sequence[Path]:
-    folder.mkdir()
-    rollouts = sample_policy_data(seed) if config.pretrain else None
-    demonstrations = sample_policy_data(seed + 1)
-    checkpoints = config.fit(
-        rollouts, demonstrations, DESCRIPTION, SPACE, folder, seed, no_progress
+def _kind_of(config: PolicyConfig) -> _Kind:
+    if isinstance(config, PrimitivePolicyConfig):
+        return _Kind(PrimitivePolicy, fit_primitive_policy, check_calls)
+    if isinstance(config, MotorPolicyConfig):
+        return _Kind(MotorPolicy, fit_motor_policy, check_actions)
+    raise CheckError(
+        f"{type(config).__name__} must be a subclass of prime_core.PrimitivePolicyConfig or of "
+        "prime_core.MotorPolicyConfig"
     )
+
+
+def _fit(kind: _Kind, config: PolicyConfig, folder: Path, seed: int) -> Sequence[Path]:
+    folder.mkdir()
+    checkpoints = kind.fit(config, TrainingContext(**vars(CONTEXT), folder=folder, seed=seed))
     found = [path for path in checkpoints if isinstance(path, Path) and path.exists()]
     require(
         len(found) > 0 and len(found) == len(checkpoints),
@@ -86,9 +113,22 @@ def _fit(config: PolicyConfig, folder: Path, seed: int) -> Sequence[Path]:
     return found
 
 
-def _check_missing(config: PolicyConfig, checkpoint: Path) -> None:
+def _load(kind: _Kind, config: Any, checkpoint: Path) -> Any:
+    policy = config.load(checkpoint, CONTEXT)
+    require(
+        isinstance(policy, kind.base),
+        f"load() returned a {type(policy).__name__}: it must return a {kind.base.__name__}",
+    )
+    require(
+        bool(policy.sees) and set(policy.sees) <= set(get_args(Modality)),
+        f"sees is {policy.sees!r}: it must name some of {get_args(Modality)}",
+    )
+    return policy
+
+
+def _check_missing(config: Any, checkpoint: Path) -> None:
     try:
-        config.load(checkpoint, DESCRIPTION, SPACE)
+        config.load(checkpoint, CONTEXT)
     except PrimeError:
         return
     except Exception as problem:
@@ -99,65 +139,9 @@ def _check_missing(config: PolicyConfig, checkpoint: Path) -> None:
     raise CheckError("load() of a checkpoint that is not there must raise a PrimeError")
 
 
-def _scenes(seed: int) -> list[Scene]:
-    frames = sample_frames(np.random.default_rng(seed + 2), SCENES)
-    observations = zip(frames.state, frames.environment_state, strict=True)
-    return [
-        DESCRIPTION.scene({STATE_KEY: state, ENVIRONMENT_STATE_KEY: objects})
-        for state, objects in observations
-    ]
-
-
-def _act(policy: Policy, seed: int) -> list[PrimitiveCall]:
-    """Return the calls in some scenes where everything can start, checked."""
-    startable = np.ones(len(SPACE.names), dtype=np.bool_)
-    generator = np.random.default_rng(seed)
-    calls = [policy.act(scene, startable, _anything, generator) for scene in _scenes(seed)]
-    for call in calls:
-        _check_call(call)
-    return calls
-
-
-def _anything(call: PrimitiveCall) -> bool:
-    """Find a call feasible, once it keeps the contract."""
-    _check_call(call)
-    return True
-
-
-def _check_call(call: PrimitiveCall) -> None:
-    require(
-        isinstance(call, PrimitiveCall) and call.primitive in SPACE.names,
-        f"act() returned {call!r}: it must return a PrimitiveCall of one of {list(SPACE.names)}",
+def _require_same(left: Sequence[Answer], right: Sequence[Answer], text: str) -> None:
+    same = [name for name, _ in left] == [name for name, _ in right] and all(
+        np.allclose(one, two, rtol=TOLERANCE, atol=TOLERANCE)
+        for (_, one), (_, two) in zip(left, right, strict=True)
     )
-    space = SPACE.parameter_spaces[SPACE.names.index(call.primitive)]
-    subject = f"the parameters of act() for {call.primitive!r}"
-    require_array(call.parameters, (len(space),), np.floating, subject)
-    inside = np.all(call.parameters >= space.low - 1e-6)
-    inside &= np.all(call.parameters <= space.high + 1e-6)
-    require(
-        bool(inside),
-        f"{subject} are {call.parameters}: they must be in their units, within {space.low} to "
-        f"{space.high}",
-    )
-
-
-def _check_masks(policy: Policy, seed: int) -> None:
-    """Check that only primitives that can start are called."""
-    for index, name in enumerate(SPACE.names):
-        startable = np.arange(len(SPACE.names)) == index
-        for scene in _scenes(seed):
-            call = policy.act(scene, startable.copy(), _anything, np.random.default_rng(seed))
-            _check_call(call)
-            require(
-                call.primitive == name,
-                f"act() called {call.primitive!r} where only {name!r} can start: it must choose "
-                "among the primitives that `startable` allows",
-            )
-
-
-def _require_same(left: list[PrimitiveCall], right: list[PrimitiveCall], text: str) -> None:
-    for one, two in zip(left, right, strict=True):
-        same = one.primitive == two.primitive and np.allclose(
-            one.parameters, two.parameters, rtol=1e-4, atol=1e-4
-        )
-        require(same, text)
+    require(same, text)

@@ -1,7 +1,7 @@
 """The contract of a primitive."""
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from prime_core.checks.requirement import CheckError, require, require_array, re
 from prime_core.contracts.calls import ParameterSpace
 from prime_core.contracts.environment import ACTION_LIMIT, Environment
 from prime_core.contracts.primitive import Primitive
-from prime_core.contracts.scene import Scene
+from prime_core.contracts.scene import EMPTY_OPENING, Scene
+from prime_core.execution.motions import MotionRun
 
 RESETS = 5
 """Resets tried until the primitive can start."""
@@ -20,15 +21,25 @@ PROPOSALS = 20
 
 @dataclass(frozen=True, eq=False)
 class _Start:
-    """Where motions are tried: a state, and what the scenes say is held (None: the truth)."""
+    """Where motions are tried.
+
+    Attributes:
+        environment: Where.
+        state: It starts in.
+        held: What scenes say is held; None for the truth.
+        blind: Whether scenes tell nothing of objects.
+    """
 
     environment: Environment
     state: Floats
     held: str | None
+    blind: bool = False
 
     def look(self) -> Scene:
         scene = self.environment.scene()
-        return scene if self.held is None else replace(scene, held=self.held)
+        if self.held is not None:
+            scene = replace(scene, objects=replace(scene.known_objects, held=self.held))
+        return _without_objects(scene) if self.blind else scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +89,16 @@ def check_primitive(
     for parameters, run in zip(drawn, runs, strict=True):
         again = _run(primitive, start, parameters)
         require(
-            len(again.actions) == len(run.actions)
-            and all(map(np.array_equal, again.actions, run.actions)),
+            _same_actions(again, run),
             f"{primitive.name!r} acted otherwise when run again from the same scene with the same "
             "parameters: what a motion remembers belongs into its generator, not into the "
             "primitive, and it must not draw random numbers",
+        )
+        blind = _run(primitive, replace(start, blind=True), parameters)
+        require(
+            _same_actions(blind, run),
+            f"{primitive.name!r} acted otherwise in scenes without objects: motion() may ask "
+            "whether something is held (scene.holding), but not where objects are",
         )
         outcome = primitive.succeeded(run.scenes, parameters)
         require_bool(outcome, f"succeeded() of {primitive.name!r}")
@@ -178,30 +194,23 @@ def _run(primitive: Primitive, start: _Start, parameters: Floats) -> _Run:
     scenes, actions = [start.look()], list[Floats]()
     copies = [_copy(scenes[0])]
     given = parameters.copy()
-    motion = primitive.motion(scenes[0], given)
+    motion = MotionRun(primitive, scenes[0], given)
     require(
-        isinstance(motion, Generator),
-        f"motion() of {primitive.name!r} returned a {type(motion).__name__}: it must be a "
+        isinstance(motion.motion, Generator),
+        f"motion() of {primitive.name!r} returned a {type(motion.motion).__name__}: it must be a "
         "generator, so a function that yields",
     )
-    ended = False
-    try:
-        action = next(motion)
-        while len(actions) < primitive.maximum_steps:
-            _check_action(primitive, action)
-            actions.append(action.copy())
-            start.environment.step(action.copy())
-            scenes.append(start.look())
-            copies.append(_copy(scenes[-1]))
-            action = motion.send(scenes[-1])
-    except StopIteration:
-        ended = True
-    motion.close()
+    while (action := motion.next_action(scenes[-1])) is not None:
+        _check_action(primitive, action)
+        actions.append(action.copy())
+        start.environment.step(action.copy())
+        scenes.append(start.look())
+        copies.append(_copy(scenes[-1]))
     for scene, copy in zip(scenes, copies, strict=True):
         _require_unchanged(primitive, "motion()", scene, copy)
     kept = np.array_equal(given, parameters)
     require(kept, f"motion() of {primitive.name!r} changed its parameters: copy them first")
-    return _Run(scenes, actions, ended)
+    return _Run(scenes, actions, motion.finished)
 
 
 def _check_action(primitive: Primitive, action: Floats) -> None:
@@ -213,9 +222,27 @@ def _check_action(primitive: Primitive, action: Floats) -> None:
     )
 
 
+def _same_actions(left: _Run, right: _Run) -> bool:
+    return len(left.actions) == len(right.actions) and all(
+        map(np.array_equal, left.actions, right.actions)
+    )
+
+
+def _without_objects(scene: Scene) -> Scene:
+    """Return a scene that tells nothing of objects, with a gripper that tells what is held."""
+    if not scene.holding:
+        return replace(scene, objects=None, gripper_command=-1.0)
+    opening = max(scene.gripper_opening, 2 * EMPTY_OPENING)
+    return replace(scene, objects=None, gripper_command=1.0, gripper_opening=opening)
+
+
 def _copy(scene: Scene) -> dict[str, Floats]:
-    values = {item.name: getattr(scene, item.name) for item in fields(scene)}
-    return {key: value.copy() for key, value in values.items() if isinstance(value, np.ndarray)}
+    return {name: getattr(scene, name).copy() for name in _arrays(scene)}
+
+
+def _arrays(scene: Scene) -> tuple[str, ...]:
+    robot = ("gripper_position", "gripper_quaternion", "joint_positions")
+    return robot if scene.objects is None else (*robot, "object_positions", "object_quaternions")
 
 
 def _require_unchanged(

@@ -5,9 +5,12 @@ import numpy as np
 from prime_core.arrays import Floats, Indices
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
 from prime_core.contracts.description import Affordance, ObjectDescription, SceneDescription
-from prime_core.contracts.observations import Frames
-from prime_core.contracts.training import PairData, PolicyData
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.training import CallData, Labels, ModelContext
 from prime_core.rotations import gripper_down
+
+Answer = tuple[str, Floats]
+"""What a policy does: the name of a primitive, or none, and numbers."""
 
 FRAMES = 160
 PAIRS = 96
@@ -43,9 +46,12 @@ SPACE = PrimitiveSpace(
 )
 """Two primitives with different numbers of parameters."""
 
+CONTEXT = ModelContext(description=DESCRIPTION, space=SPACE)
+"""Where checked models are used."""
 
-def sample_frames(generator: np.random.Generator, count: int = FRAMES) -> Frames:
-    """Return frames of `DESCRIPTION` with everything anywhere in the workspace."""
+
+def sample_observations(generator: np.random.Generator, count: int = FRAMES) -> Observations:
+    """Return observations of `DESCRIPTION` with everything anywhere in the workspace."""
     low, high = np.array(DESCRIPTION.workspace_low), np.array(DESCRIPTION.workspace_high)
     positions = generator.uniform(low, high, (count, 3))
     gripper = gripper_down(generator.uniform(-np.pi / 2, np.pi / 2, count))
@@ -58,7 +64,7 @@ def sample_frames(generator: np.random.Generator, count: int = FRAMES) -> Frames
         held = (generator.random((count, 1)) < 0.3) & (number == 0)
         objects += [generator.uniform(low, high, (count, 3)), upright, held]
     state = np.hstack((positions, gripper, opening, joints))
-    return Frames(state.astype(np.float32), np.hstack(objects).astype(np.float32))
+    return Observations(state.astype(np.float32), np.hstack(objects).astype(np.float32))
 
 
 def sample_parameters(generator: np.random.Generator, labels: Indices) -> Floats:
@@ -70,34 +76,30 @@ def sample_parameters(generator: np.random.Generator, labels: Indices) -> Floats
     return parameters
 
 
-def sample_pair_data(seed: int) -> PairData:
+def sample_pairs(seed: int) -> CallData:
     """Return labelled pairs for an IDM of `SPACE`."""
+    return _sample_calls(seed, ends=2, classes=len(SPACE.names) + 1)
+
+
+def sample_calls(seed: int) -> CallData:
+    """Return labelled frames for a policy over `SPACE`."""
+    return _sample_calls(seed, ends=1, classes=len(SPACE.names))
+
+
+def _sample_calls(seed: int, ends: int, classes: int) -> CallData:
     generator = np.random.default_rng(seed)
-    primitives = len(SPACE.names)
-    labels = generator.integers(primitives, size=PAIRS)
-    return PairData(
-        frames=sample_frames(generator),
-        type_pairs=generator.integers(FRAMES, size=(PAIRS, 2)),
-        type_labels=generator.integers(primitives + 1, size=PAIRS),
-        type_weights=generator.uniform(0.5, 1.0, PAIRS),
-        parameter_pairs=generator.integers(FRAMES, size=(PAIRS, 2)),
-        parameter_labels=labels,
-        parameters=sample_parameters(generator, labels),
-        parameter_weights=generator.uniform(0.5, 1.0, PAIRS),
+    parameters = _sample_labels(generator, ends, len(SPACE.names))
+    return CallData(
+        observations=sample_observations(generator),
+        types=_sample_labels(generator, ends, classes),
+        parameters=parameters,
+        values=sample_parameters(generator, parameters.classes),
     )
 
 
-def sample_policy_data(seed: int) -> PolicyData:
-    """Return labelled frames for a policy over `SPACE`."""
-    generator = np.random.default_rng(seed)
-    labels = generator.integers(len(SPACE.names), size=PAIRS)
-    return PolicyData(
-        frames=sample_frames(generator),
-        type_frames=generator.integers(FRAMES, size=PAIRS),
-        type_labels=generator.integers(len(SPACE.names), size=PAIRS),
-        type_weights=generator.uniform(0.5, 1.0, PAIRS),
-        parameter_frames=generator.integers(FRAMES, size=PAIRS),
-        parameter_labels=labels,
-        parameters=sample_parameters(generator, labels),
-        parameter_weights=generator.uniform(0.5, 1.0, PAIRS),
+def _sample_labels(generator: np.random.Generator, ends: int, classes: int) -> Labels:
+    return Labels(
+        rows=generator.integers(FRAMES, size=(PAIRS, ends)),
+        classes=generator.integers(classes, size=PAIRS),
+        weights=generator.uniform(0.5, 1.0, PAIRS),
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from prime_core.arrays import Floats, Indices
 from prime_core.collection.recording import CollectedEpisode
-from prime_core.contracts.observations import Frames
+from prime_core.contracts.observations import Observations
 
 
 class RolloutTable:
@@ -17,7 +17,7 @@ class RolloutTable:
     with the length of the episodes.
 
     Attributes:
-        frames: Those that were kept; `rows` tells where.
+        observations: Of the frames that were kept; `rows` tells where.
         rollouts: Start frame, end frame and primitive of each rollout, ``(n, 3)``.
         parameters: Of each rollout, ``(n, width)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
@@ -30,7 +30,7 @@ class RolloutTable:
 
     def __init__(self, episodes: Iterable[CollectedEpisode], around: int = 0) -> None:
         first, starts = 0, []
-        frames: list[Frames] = []
+        seen: list[Observations] = []
         numbers: list[Indices] = []
         rollouts: list[Indices] = []
         parameters: list[Floats] = []
@@ -39,15 +39,12 @@ class RolloutTable:
             kept = _learnt_from(item, around)
             starts.append(first)
             numbers.append(kept + first)
-            frames.append(Frames(item.state[kept], item.environment_state[kept]))
+            seen.append(Observations(item.state[kept], item.environment_state[kept]))
             rollouts.append(item.rollouts + np.array([first, first, 0]))
             parameters.append(item.parameters)
             others.append(item.others + first)
             first += len(item.state)
-        self.frames = Frames(
-            np.concatenate([item.state for item in frames]),
-            np.concatenate([item.environment_state for item in frames]),
-        )
+        self.observations = Observations.join(seen)
         self.rollouts = np.concatenate(rollouts)
         self.parameters = np.concatenate(parameters)
         self.others = np.concatenate(others)
@@ -55,7 +52,7 @@ class RolloutTable:
         self.last = first - 1
 
     def rows(self, numbers: Indices) -> Indices:
-        """Return where frames lie in `frames`, in the shape of their numbers.
+        """Return where frames lie in `observations`, in the shape of their numbers.
 
         Raises:
             ValueError: If one was not kept.

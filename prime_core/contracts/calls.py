@@ -101,4 +101,4 @@ class PrimitiveSpace:
     @property
     def width(self) -> int:
         """Length of the longest parameter vector; shorter ones are padded with zeros."""
-        return max(len(space) for space in self.parameter_spaces)
+        return max((len(space) for space in self.parameter_spaces), default=0)

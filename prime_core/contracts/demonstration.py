@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from prime_core.configuration import Config
 from prime_core.contracts.calls import OTHER, PrimitiveCall
 from prime_core.contracts.environment import EnvironmentConfig
-from prime_core.contracts.observations import Frames
+from prime_core.contracts.observations import Observations
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +43,14 @@ class Demonstration:
     frame was never done: it is a hold.
 
     Attributes:
-        frames: The ``N`` state vectors, the last one after the last action.
+        observations: What was seen in the ``N`` frames, the last one after the last action.
         actions: As in `prime_core.contracts.environment`, ``(N, 5)`` float32.
         task: What is done, in words.
         simulator_states: From ``Environment.get_state``, ``(N, n)`` float64, or None where the
             episode comes from elsewhere.
     """
 
-    frames: Frames
+    observations: Observations
     actions: NDArray[np.float32]
     task: str
     simulator_states: NDArray[np.float64] | None = None
@@ -58,7 +58,7 @@ class Demonstration:
     @property
     def steps(self) -> int:
         """Motor actions that were done."""
-        return len(self.frames) - 1
+        return len(self.observations) - 1
 
 
 class DemonstratorConfig(Config):

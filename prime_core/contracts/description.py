@@ -1,18 +1,11 @@
 """What never changes in the scenes of an environment: objects, affordances, the robot."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from prime_core.contracts.observations import (
-    ENVIRONMENT_STATE_KEY,
     GRIPPER_WIDTH,
     OBJECT_WIDTH,
-    STATE_KEY,
 )
-from prime_core.contracts.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -132,27 +125,3 @@ class SceneDescription:
     def affordances_for(self, action: str) -> tuple[Affordance, ...]:
         """Return the affordances of an action."""
         return tuple(item for item in self.affordances if item.action == action)
-
-    def scene(self, observation: Mapping[str, NDArray[np.floating]]) -> "Scene":
-        """Read one observation.
-
-        Args:
-            observation: Holds ``observation.state`` and ``observation.environment_state``.
-
-        Returns:
-            The scene that the observation describes.
-        """
-        state = np.asarray(observation[STATE_KEY], dtype=np.float64)
-        objects = np.asarray(observation[ENVIRONMENT_STATE_KEY], dtype=np.float64)
-        objects = objects.reshape(len(self.objects), OBJECT_WIDTH)
-        held = np.flatnonzero(objects[:, 7] > 0.5)
-        return Scene(
-            description=self,
-            gripper_position=state[:3],
-            gripper_quaternion=state[3:7],
-            gripper_opening=float(state[7]),
-            joint_positions=state[GRIPPER_WIDTH:],
-            object_positions=objects[:, :3],
-            object_quaternions=objects[:, 3:7],
-            held=self.objects[held[0]].name if held.size else None,
-        )

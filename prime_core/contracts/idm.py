@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from prime_core.arrays import Floats, Indices
 from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.observations import Frames
-from prime_core.contracts.training import PairData, Progress
+from prime_core.contracts.observations import Modality, Observations
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 
 
 class InverseDynamicsModel(ABC):
@@ -22,21 +21,23 @@ class InverseDynamicsModel(ABC):
 
     Attributes:
         space: The primitives that it tells apart.
+        sees: What it looks at.
     """
 
     space: PrimitiveSpace
+    sees: tuple[Modality, ...] = ("proprioception", "objects")
 
     @abstractmethod
-    def encode(self, frames: Frames) -> NDArray[np.float32]:
-        """Encode each frame once, ``(frames, features)``."""
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
+        """Encode each instant once, ``(N, features)``."""
 
     @abstractmethod
     def score(self, features: NDArray[np.float32], pairs: Indices) -> NDArray[np.float32]:
         """Return log p(primitive | s, s').
 
         Args:
-            features: From `encode`, ``(frames, features)``.
-            pairs: Start and end frame, ``(n, 2)``.
+            features: From `encode`, ``(N, features)``.
+            pairs: Start and end row, ``(n, 2)``.
 
         Returns:
             ``(n, primitives + 1)``; each row's exponentials sum to 1, the last is `other`.
@@ -49,7 +50,7 @@ class InverseDynamicsModel(ABC):
         """Return the most likely parameters and their log density.
 
         Args:
-            features: From `encode`, ``(frames, features)``.
+            features: From `encode`, ``(N, features)``.
             pairs: ``(n, 2)``.
             labels: The primitive of each pair, ``(n,)``, below ``len(space.names)``.
 
@@ -63,31 +64,19 @@ class IdmConfig(Config):
     """Settings of an inverse dynamics model; what packs register."""
 
     @abstractmethod
-    def fit(
-        self,
-        data: PairData,
-        description: SceneDescription,
-        space: PrimitiveSpace,
-        folder: Path,
-        seed: int,
-        progress: Progress,
-    ) -> InverseDynamicsModel:
+    def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
         """Train a model.
 
         Args:
-            data: Training pairs.
-            description: Of the environment that they come from.
-            space: The primitives to tell apart.
-            folder: Where the model is kept. A training that was interrupted there goes on
-                after its last finished epoch.
-            seed: Of all random draws.
-            progress: Told of finished epochs.
+            data: Labelled pairs.
+            context: Where and how.
+
+        Raises:
+            PrimeError: If a loss or weight is not finite; nothing is kept as done.
         """
 
     @abstractmethod
-    def load(
-        self, folder: Path, description: SceneDescription, space: PrimitiveSpace
-    ) -> InverseDynamicsModel:
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
         """Load what `fit` left in a folder.
 
         Raises:

@@ -1,86 +1,131 @@
-"""The contract of a policy over primitives: p(primitive | s) and p(parameters | s, primitive)."""
+"""The contracts of policies: over primitives, and over motor actions.
+
+A policy over primitives yields calls; a runner that makes one of them and runs it is itself a
+motor policy (`prime_core.execution.runner`), so that both kinds are evaluated alike.
+"""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.configuration import Config
-from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.scene import Scene
-from prime_core.contracts.training import PolicyData, Progress
+from prime_core.contracts.calls import PrimitiveCall
+from prime_core.contracts.demonstration import Demonstration
+from prime_core.contracts.environment import Action
+from prime_core.contracts.observations import Modality, Observations
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 
 
-class Policy(ABC):
-    """Picks the next primitive call."""
+class PrimitivePolicy(ABC):
+    """Picks the next primitive call: p(primitive | s) and p(parameters | s, primitive).
+
+    Attributes:
+        sees: What it looks at; it is given nothing else.
+    """
+
+    sees: tuple[Modality, ...] = ("proprioception", "objects")
 
     @abstractmethod
-    def act(
+    def candidates(
         self,
-        scene: Scene,
+        seen: Observations,
         startable: NDArray[np.bool_],
-        feasible: Callable[[PrimitiveCall], bool],
         generator: np.random.Generator,
-    ) -> PrimitiveCall:
-        """Return the primitive call to make.
+    ) -> Iterator[PrimitiveCall]:
+        """Yield calls, the one to make first; which one is made is the runner's business.
 
         Args:
-            scene: The scene as it is now.
+            seen: One instant, ``N = 1``.
             startable: For each primitive, in the order of the primitive space, whether it can
-                start here; at least one can.
-            feasible: Tells whether a call of one of them makes sense here: whether the arm can do
-                it, and it did not come to nothing before. A policy that has several calls to
-                choose from can leave out those that do not.
+                start here, ``(primitives,)``; at least one can. Others are not yielded.
             generator: Of all random draws.
         """
 
 
-class PolicyConfig(Config):
-    """Settings of a policy; what packs register."""
+class MotorPolicy(ABC):
+    """Acts step by step, as LeRobot's ``reset`` and ``select_action`` do: numpy, one instant.
 
-    pretrain: bool = True
-    """Whether the policy is first trained on the rollouts of the primitives."""
+    Attributes:
+        sees: What it looks at; it is given nothing else.
+    """
+
+    sees: tuple[Modality, ...] = ("proprioception", "objects")
+
+    @abstractmethod
+    def reset(self, generator: np.random.Generator) -> None:
+        """Forget the episode before.
+
+        Args:
+            generator: Of all random draws of the episode to come.
+        """
+
+    @abstractmethod
+    def act(self, seen: Observations) -> Action | None:
+        """Return the next motor action, ``(5,)``, or None to give the episode up.
+
+        Args:
+            seen: One instant, ``N = 1``.
+        """
+
+
+class PolicyConfig(Config):
+    """Settings of a policy; what packs register are subclasses of the two below."""
 
     @abstractmethod
     def count_checkpoints(self) -> int:
         """How many checkpoints a training leaves."""
 
+
+class PrimitivePolicyConfig(PolicyConfig):
+    """Settings of a policy over primitives."""
+
+    pretrain: bool = True
+    """Whether the policy is first trained on the rollouts of the primitives."""
+
     @abstractmethod
     def fit(
-        self,
-        rollouts: PolicyData | None,
-        demonstrations: PolicyData,
-        description: SceneDescription,
-        space: PrimitiveSpace,
-        folder: Path,
-        seed: int,
-        progress: Progress,
+        self, rollouts: CallData | None, demonstrations: CallData, context: TrainingContext
     ) -> Sequence[Path]:
         """Train a policy.
 
         Args:
             rollouts: What to pretrain on, or None.
             demonstrations: The parsed and augmented demonstrations.
-            description: Of the environment.
-            space: The primitives to choose from.
-            folder: Where checkpoints are kept. A training that was interrupted there goes on
-                after its last finished epoch.
-            seed: Of all random draws.
-            progress: Told of finished epochs.
+            context: Where and how.
 
         Returns:
             The checkpoints, oldest first.
+
+        Raises:
+            PrimeError: If a loss or weight is not finite; nothing is kept as done.
         """
 
     @abstractmethod
-    def load(
-        self, checkpoint: Path, description: SceneDescription, space: PrimitiveSpace
-    ) -> Policy:
+    def load(self, checkpoint: Path, context: ModelContext) -> PrimitivePolicy:
         """Load one checkpoint that `fit` returned.
 
         Raises:
             PrimeError: If it is not a checkpoint of these settings.
         """
+
+
+class MotorPolicyConfig(PolicyConfig):
+    """Settings of a policy over motor actions."""
+
+    @abstractmethod
+    def fit(
+        self, demonstrations: Sequence[Demonstration], context: TrainingContext
+    ) -> Sequence[Path]:
+        """Train a policy; see `PrimitivePolicyConfig.fit`.
+
+        Args:
+            demonstrations: As they were recorded.
+            context: Where and how; its primitive space is empty.
+        """
+
+    @abstractmethod
+    def load(self, checkpoint: Path, context: ModelContext) -> MotorPolicy:
+        """Load one checkpoint; see `PrimitivePolicyConfig.load`."""

@@ -1,32 +1,44 @@
-"""What a primitive, a model or a policy may know of the world: the scene.
-
-Lengths are metres, angles radians, quaternions w-x-y-z; poses are in the world frame.
-
-A scene has a part that never changes in an environment, its `SceneDescription`, and the
-poses of one instant, the `Scene`. The poses of one instant travel as two flat vectors under
-LeRobot's names:
-
-- ``observation.state``: gripper position (3), gripper quaternion (4), gripper opening (1),
-  arm joint positions (J);
-- ``observation.environment_state``: for each object in turn, position (3), quaternion (4),
-  and 1 if the gripper holds it, else 0.
-"""
+"""What a primitive may know at one instant: the scene."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Array
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.observations import (
+    ENVIRONMENT_STATE_KEY,
+    STATE_KEY,
+    Observations,
+)
+from prime_core.errors import UnknownObjectsError
 from prime_core.rotations import yaw_of
+
+EMPTY_OPENING = 0.004
+"""Opening up to which closed fingers hold nothing [m]; `benchmarks/holding.py` measures it."""
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectPoses:
+    """Where the objects are.
+
+    Attributes:
+        positions: [m], ``(objects, 3)``, in the order of ``SceneDescription.objects``.
+        quaternions: ``(objects, 4)``.
+        held: Name of the object between the fingers, touched from both sides, or None.
+    """
+
+    positions: Array
+    quaternions: Array
+    held: str | None
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The world at one instant.
+    """The robot and, where they are known, the objects at one instant; world frame.
 
     Attributes:
         description: What never changes.
@@ -34,9 +46,9 @@ class Scene:
         gripper_quaternion: ``(4,)``; a half turn about x at yaw 0 when it points down.
         gripper_opening: Distance between the fingers [m].
         joint_positions: Of the arm [rad], ``(J,)``.
-        object_positions: [m], ``(number of objects, 3)``.
-        object_quaternions: ``(number of objects, 4)``.
-        held: Name of the object between the fingers, touched from both sides, or None.
+        objects: Where the objects are; None where that is not known.
+        gripper_command: The gripper's last command, from -1 (open) to 1 (close); None where none
+            was sent yet, or it is not known.
     """
 
     description: SceneDescription = field(repr=False)
@@ -44,14 +56,84 @@ class Scene:
     gripper_quaternion: Array
     gripper_opening: float
     joint_positions: Array
-    object_positions: Array
-    object_quaternions: Array
-    held: str | None
+    objects: ObjectPoses | None = None
+    gripper_command: float | None = None
+
+    @classmethod
+    def read(
+        cls,
+        description: SceneDescription,
+        seen: Observations,
+        gripper_command: float | None = None,
+    ) -> Self:
+        """Read one observation.
+
+        Args:
+            description: Of the environment.
+            seen: One instant, ``N = 1``.
+            gripper_command: The gripper's last command, where it is known.
+        """
+        state = seen.state[0].astype(np.float64)
+        objects = None
+        if seen.environment_state is not None:
+            held = np.flatnonzero(seen.held[0])
+            objects = ObjectPoses(
+                positions=seen.object_positions[0].astype(np.float64),
+                quaternions=seen.object_quaternions[0].astype(np.float64),
+                held=description.objects[held[0]].name if held.size else None,
+            )
+        return cls(
+            description=description,
+            gripper_position=state[:3],
+            gripper_quaternion=state[3:7],
+            gripper_opening=float(state[7]),
+            joint_positions=state[8:],
+            objects=objects,
+            gripper_command=gripper_command,
+        )
 
     @cached_property
     def gripper_yaw(self) -> float:
         """Yaw of the gripper [rad], in ``[-pi, pi)``."""
         return float(yaw_of(self.gripper_quaternion))
+
+    @property
+    def holding(self) -> bool:
+        """Whether the gripper holds something.
+
+        Known of the objects where they are known; else told from the gripper: it was told to
+        close, and its fingers are apart.
+        """
+        if self.objects is not None:
+            return self.objects.held is not None
+        closing = self.gripper_command is not None and self.gripper_command > 0
+        return closing and self.gripper_opening > EMPTY_OPENING
+
+    @property
+    def known_objects(self) -> ObjectPoses:
+        """Where the objects are.
+
+        Raises:
+            UnknownObjectsError: If that is not known.
+        """
+        if self.objects is None:
+            raise UnknownObjectsError
+        return self.objects
+
+    @property
+    def object_positions(self) -> Array:
+        """[m], ``(objects, 3)``; see `known_objects`."""
+        return self.known_objects.positions
+
+    @property
+    def object_quaternions(self) -> Array:
+        """``(objects, 4)``; see `known_objects`."""
+        return self.known_objects.quaternions
+
+    @property
+    def held(self) -> str | None:
+        """Name of the object between the fingers, or None; see `known_objects`."""
+        return self.known_objects.held
 
     def object_index(self, name: str) -> int:
         """Return the row of an object in the object arrays.
@@ -64,10 +146,8 @@ class Scene:
                 return index
         raise KeyError(name)
 
-    def observation(self) -> dict[str, NDArray[np.float32]]:
-        """Return the scene as observation vectors (float32)."""
-        held = [[item.name == self.held] for item in self.description.objects]
-        objects = np.hstack((self.object_positions, self.object_quaternions, held))
+    def observation(self) -> dict[str, NDArray[Any]]:
+        """Return the scene as observation vectors (float32), by LeRobot's keys."""
         state = np.concatenate(
             (
                 self.gripper_position,
@@ -76,7 +156,10 @@ class Scene:
                 self.joint_positions,
             )
         )
-        return {
-            STATE_KEY: state.astype(np.float32),
-            ENVIRONMENT_STATE_KEY: objects.ravel().astype(np.float32),
-        }
+        vectors = {STATE_KEY: state.astype(np.float32)}
+        if self.objects is not None:
+            held = [[item.name == self.objects.held] for item in self.description.objects]
+            flags = np.array(held, dtype=np.float64).reshape(-1, 1)
+            objects = np.hstack((self.objects.positions, self.objects.quaternions, flags))
+            vectors[ENVIRONMENT_STATE_KEY] = objects.ravel().astype(np.float32)
+        return vectors

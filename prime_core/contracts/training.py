@@ -1,64 +1,86 @@
-"""What models learn from, and how they tell their progress."""
+"""What models learn from, and what a training is told."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from prime_core.arrays import Floats, Indices
-from prime_core.contracts.observations import Frames
+from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.observations import Observations
 
 Progress = Callable[[int, int], None]
-"""Called with the number of finished items and the number of all items."""
+"""Called with the number of finished parts and the number of all parts."""
 
 
 def no_progress(done: int, total: int) -> None:
-    """Ignore what is told."""
+    """Tell nobody."""
 
 
 @dataclass(frozen=True, eq=False)
-class PairData:
-    """What an IDM learns from: labelled pairs of frames.
+class Labels:
+    """Labelled rows of observations.
 
     Attributes:
-        frames: The frames that the indices point into.
-        type_pairs: Start and end frame, ``(n, 2)``.
-        type_labels: Class of each (the last class is `other`), ``(n,)``.
-        type_weights: Sampling weight of each, ``(n,)``.
-        parameter_pairs: ``(m, 2)``.
-        parameter_labels: Primitive of each, ``(m,)``.
-        parameters: In their units, padded with zeros, ``(m, width)``.
-        parameter_weights: ``(m,)``.
+        rows: Start and end row of each pair, ``(n, 2)``, for an inverse dynamics model; the row of
+            each, ``(n, 1)``, for a policy.
+        classes: Number of the primitive of each, ``(n,)``; of `other` the number of primitives.
+        weights: Sampling weight of each, ``(n,)``.
     """
 
-    frames: Frames
-    type_pairs: Indices
-    type_labels: Indices
-    type_weights: Floats
-    parameter_pairs: Indices
-    parameter_labels: Indices
-    parameters: Floats
-    parameter_weights: Floats
+    rows: Indices
+    classes: Indices
+    weights: Floats
+
+    def __len__(self) -> int:
+        return len(self.rows)
 
 
 @dataclass(frozen=True, eq=False)
-class PolicyData:
-    """What a policy learns from: frames labelled with the primitive call to make there.
+class CallData:
+    """Observations labelled with primitive calls: what IDMs and primitive policies learn from.
 
     Attributes:
-        frames: The frames that the indices point into.
-        type_frames: ``(n,)``.
-        type_labels: Primitive of each, ``(n,)``.
-        type_weights: Sampling weight of each, ``(n,)``.
-        parameter_frames: ``(m,)``.
-        parameter_labels: Primitive of each, ``(m,)``.
-        parameters: In their units, padded with zeros, ``(m, width)``.
-        parameter_weights: ``(m,)``.
+        observations: What the labels' rows point into.
+        types: Which primitive.
+        parameters: Of which the parameters are learnt; none is `other`.
+        values: Their parameters in their units, padded with zeros, ``(m, width)``.
     """
 
-    frames: Frames
-    type_frames: Indices
-    type_labels: Indices
-    type_weights: Floats
-    parameter_frames: Indices
-    parameter_labels: Indices
-    parameters: Floats
-    parameter_weights: Floats
+    observations: Observations
+    types: Labels
+    parameters: Labels
+    values: Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelContext:
+    """Where a model is used.
+
+    Attributes:
+        description: Of the environment's scenes.
+        space: The primitives to tell apart or choose from; a motor policy has none.
+        device: Where networks compute: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is one.
+    """
+
+    description: SceneDescription
+    space: PrimitiveSpace
+    device: str = "auto"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingContext(ModelContext):
+    """Where and how a model is trained.
+
+    Attributes:
+        folder: Where it is kept. A training that was interrupted there goes on after its last
+            finished epoch.
+        seed: Of all random draws.
+        threads: Processor threads that it may use; no result may depend on it.
+        progress: Told of finished epochs.
+    """
+
+    folder: Path
+    seed: int
+    threads: int = 1
+    progress: Progress = no_progress

@@ -47,10 +47,12 @@ class Episode:
 def episode_of(demonstration: Demonstration) -> Episode:
     """Return a demonstration as an episode, without LeRobot's bookkeeping columns."""
     columns: Columns = {
-        STATE_KEY: np.asarray(demonstration.frames.state, dtype=np.float32),
-        ENVIRONMENT_STATE_KEY: np.asarray(demonstration.frames.environment_state, dtype=np.float32),
+        STATE_KEY: np.asarray(demonstration.observations.state, dtype=np.float32),
         layout.ACTION_KEY: np.asarray(demonstration.actions, dtype=np.float32),
     }
+    if demonstration.observations.environment_state is not None:
+        objects = np.asarray(demonstration.observations.environment_state, dtype=np.float32)
+        columns[ENVIRONMENT_STATE_KEY] = objects
     if demonstration.simulator_states is not None:
         states = np.asarray(demonstration.simulator_states, dtype=np.float64)
         columns[layout.SIMULATOR_STATE_KEY] = states

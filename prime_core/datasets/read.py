@@ -16,7 +16,7 @@ from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, Segment
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import CONTROL_FREQUENCY
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Frames
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Observations
 from prime_core.datasets import layout
 from prime_core.datasets import parquet_reader as reader
 from prime_core.datasets import segments as parsed
@@ -34,7 +34,7 @@ class Dataset:
         folder: Where it is.
         demonstrations: The episodes that were asked for.
         episodes: Their indices in the data set.
-        fps: Frames a second.
+        fps: Observations a second.
         state_names: Names of the numbers of ``observation.state``, if it has them.
         environment_state_names: The same of ``observation.environment_state``.
         environment: Settings of the environment it comes from, if it is one of ours.
@@ -68,7 +68,7 @@ def read_dataset(
         description: Of the environment that it is for, which its features must fit; None takes
             features of any width.
         episodes: Indices of the episodes to read, in this order; all if None.
-        fps: Frames a second that it must have; None takes any.
+        fps: Observations a second that it must have; None takes any.
 
     Raises:
         DatasetError: If it is broken, or is something else.
@@ -155,13 +155,12 @@ def _choose(
 
 
 def _demonstration(entry: reader.EpisodeEntry, columns: reader.Columns) -> Demonstration:
-    nothing = np.zeros((entry.length, 0), dtype=np.float32)
-    objects = columns.get(ENVIRONMENT_STATE_KEY, nothing)
+    objects = columns.get(ENVIRONMENT_STATE_KEY)
     states = columns.get(layout.SIMULATOR_STATE_KEY)
     return Demonstration(
-        frames=Frames(
+        observations=Observations(
             columns[STATE_KEY].astype(np.float32, copy=False),
-            objects.astype(np.float32, copy=False),
+            None if objects is None else objects.astype(np.float32, copy=False),
         ),
         actions=columns[layout.ACTION_KEY].astype(np.float32, copy=False),
         task=entry.task,

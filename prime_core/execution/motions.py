@@ -1,4 +1,4 @@
-"""The one loop that runs primitives, and motor actions, in an environment."""
+"""The loops that run primitives, and motor actions, in an environment."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,12 +7,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Array
-from prime_core.contracts.environment import ACTION_LIMIT, Action, Environment
+from prime_core.contracts.environment import ACTION_LIMIT, Action, Environment, Observation
 from prime_core.contracts.primitive import Primitive
 from prime_core.contracts.scene import Scene
 
 OnStep = Callable[[Scene], None]
 """Called with the scene after each motor action."""
+
+
+class MotionRun:
+    """One motion of a primitive: scene in, motor action out.
+
+    Args:
+        primitive: What is run.
+        scene: Where it starts.
+        parameters: ``(P,)``, in the units of its parameter space.
+
+    Attributes:
+        motion: The primitive's generator.
+        steps: Motor actions given so far.
+        finished: Whether the motion came to its own end.
+    """
+
+    def __init__(self, primitive: Primitive, scene: Scene, parameters: Array) -> None:
+        self.motion = primitive.motion(scene, parameters)
+        self.steps = 0
+        self.finished = False
+        self._limit = primitive.maximum_steps
+
+    def next_action(self, scene: Scene) -> Action | None:
+        """Return the next motor action, ``(5,)``, or None where the motion is over.
+
+        Args:
+            scene: The scene now; at the first call the one where it starts.
+        """
+        if self.finished or self.steps >= self._limit:
+            self.motion.close()
+            return None
+        try:
+            action = self.motion.send(scene) if self.steps else next(self.motion)
+        except StopIteration:
+            self.finished = True
+            return None
+        self.steps += 1
+        return action
+
+    def close(self) -> None:
+        """End the motion where it is."""
+        self.motion.close()
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,14 +65,11 @@ class Execution:
         scenes: The scene at the start and after each motor action, ``N + 1`` of them.
         actions: The motor actions, ``(N, 5)``.
         finished: Whether the motion came to its own end.
-        solved: Whether the task was solved after one of the steps, the last one if the
-            execution was to stop there.
     """
 
     scenes: list[Scene]
     actions: NDArray[np.float64]
     finished: bool
-    solved: bool
 
     @property
     def steps(self) -> int:
@@ -49,76 +88,43 @@ def hold_action(scene: Scene, last: Action | None = None) -> Action:
     Returns:
         ``(5,)``.
     """
-    gripper = last[4] if last is not None else (1.0 if scene.held else -1.0)
+    gripper = last[4] if last is not None else (1.0 if scene.holding else -1.0)
     return np.array([0.0, 0.0, 0.0, 0.0, gripper])
 
 
-def run_primitive(
-    environment: Environment,
-    primitive: Primitive,
-    parameters: Array,
-    *,
-    step_limit: int | None = None,
-    stop_when_solved: bool = False,
-    on_step: OnStep | None = None,
-) -> Execution:
+def run_primitive(environment: Environment, primitive: Primitive, parameters: Array) -> Execution:
     """Run a primitive until its motion ends.
 
     Args:
         environment: Where; it is left in the state after the last step.
         primitive: What to run.
         parameters: ``(P,)``, in the units of its parameter space.
-        step_limit: Motor actions at most, besides the primitive's own limit.
-        stop_when_solved: Whether to stop as soon as the task is solved.
-        on_step: Called after each step.
 
     Returns:
         What happened.
     """
-    limit = (
-        primitive.maximum_steps if step_limit is None else min(step_limit, primitive.maximum_steps)
-    )
-    scene = environment.scene()
-    scenes: list[Scene] = [scene]
+    scenes: list[Scene] = [environment.scene()]
     actions: list[Action] = []
-    motion = primitive.motion(scene, parameters)
-    finished = solved = False
+    run = MotionRun(primitive, scenes[0], parameters)
     try:
-        action = next(motion)
-        while len(actions) < limit:
-            scene, solved_now = _step(environment, action, on_step)
-            scenes.append(scene)
+        while (action := run.next_action(scenes[-1])) is not None:
+            step(environment, action)
+            scenes.append(environment.scene())
             actions.append(action)
-            solved = solved or solved_now
-            if solved and stop_when_solved:
-                break
-            action = motion.send(scene)
-    except StopIteration:
-        finished = True
     finally:
-        motion.close()
-    return Execution(scenes, _stack(actions), finished, solved)
+        run.close()
+    return Execution(scenes, _stack(actions), run.finished)
 
 
-def run_actions(
-    environment: Environment,
-    actions: NDArray[np.floating],
-    *,
-    stop_when_solved: bool = False,
-    on_step: OnStep | None = None,
-) -> Execution:
+def run_actions(environment: Environment, actions: NDArray[np.floating]) -> Execution:
     """Do motor actions ``(N, 5)`` one after another; see `run_primitive`."""
     scenes, done = [environment.scene()], []
-    solved = False
     for row in actions:
         action = np.asarray(row, dtype=np.float64)
-        scene, solved_now = _step(environment, action, on_step)
-        scenes.append(scene)
+        step(environment, action)
+        scenes.append(environment.scene())
         done.append(action)
-        solved = solved or solved_now
-        if solved and stop_when_solved:
-            break
-    return Execution(scenes, _stack(done), len(done) == len(actions), solved)
+    return Execution(scenes, _stack(done), True)
 
 
 def settle(
@@ -137,7 +143,8 @@ def settle(
     scenes, actions = [environment.scene()], []
     for _ in range(step_limit):
         action = hold_action(scenes[-1], last)
-        scene, _ = _step(environment, action, None)
+        step(environment, action)
+        scene = environment.scene()
         scenes.append(scene)
         actions.append(action)
         moved = np.abs(scene.object_positions - scenes[-2].object_positions).max(initial=0.0)
@@ -145,17 +152,19 @@ def settle(
             moved, float(np.abs(scene.gripper_position - scenes[-2].gripper_position).max())
         )
         if moved < 5e-4:  # metres a step, 1 cm/s
-            return Execution(scenes, _stack(actions), True, False)
-    return Execution(scenes, _stack(actions), False, False)
+            return Execution(scenes, _stack(actions), True)
+    return Execution(scenes, _stack(actions), False)
 
 
-def _step(environment: Environment, action: Action, on_step: OnStep | None) -> tuple[Scene, bool]:
+def step(environment: Environment, action: Action) -> tuple[Observation, bool]:
+    """Do one motor action ``(5,)``, clipped to its limits.
+
+    Returns:
+        What the environment shows, and whether the task is solved.
+    """
     clipped = np.minimum(np.maximum(action, -ACTION_LIMIT), ACTION_LIMIT)
-    _, _, solved, _, _ = environment.step(clipped)
-    scene = environment.scene()
-    if on_step is not None:
-        on_step(scene)
-    return scene, bool(solved)
+    observation, _, solved, _, _ = environment.step(clipped)
+    return observation, bool(solved)
 
 
 def _stack(actions: list[Action]) -> NDArray[np.float64]:

@@ -7,13 +7,19 @@ import numpy as np
 
 from prime_core.contracts.calls import OTHER
 from prime_core.contracts.demonstration import ParsedDemonstration
-from prime_core.contracts.environment import Environment
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.environment import Action, Environment
+from prime_core.contracts.observations import Observations
 from prime_core.contracts.primitive import Primitive
+from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
-from prime_core.execution.motions import hold_action, run_actions, run_primitive
+from prime_core.execution.motions import hold_action
+from prime_core.execution.runner import Run, SceneRunner
+from prime_core.execution.trial import completed_calls, run_policy
 
 REST_STEPS = 20
-"""Motor actions at most that the gripper holds still for after the last primitive: a second."""
+"""Motor actions at most that the gripper holds still for after the last primitive: a second, in
+which an object that was let go of may still fall or rock."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,62 @@ class Replay:
     completed: tuple[bool, ...]
 
 
+class ActionsRun:
+    """Gives recorded motor actions ``(N, 5)`` one after another."""
+
+    def __init__(self, actions: Sequence[Action]) -> None:
+        self.finished = False
+        self._actions = iter(actions)
+
+    def next_action(self, scene: Scene) -> Action | None:
+        """Return the next motor action, or None where there is none left."""
+        action = next(self._actions, None)
+        self.finished = action is None
+        return action
+
+
+class SequenceRunner(SceneRunner):
+    """Runs the segments of a parsed demonstration one after another, then holds still.
+
+    Args:
+        description: Of the scenes.
+        primitives: What the segments name.
+        parsed: What to execute.
+        replay_other: Whether segments that no primitive explains replay their recorded motor
+            actions; else they are skipped.
+    """
+
+    def __init__(
+        self,
+        description: SceneDescription,
+        primitives: Sequence[Primitive],
+        parsed: ParsedDemonstration,
+        *,
+        replay_other: bool,
+    ) -> None:
+        super().__init__(description)
+        self._primitives = {item.name: item for item in primitives}
+        self._actions = parsed.demonstration.actions.astype(np.float64)
+        self._segments = iter(
+            segment
+            for segment in parsed.segments
+            if replay_other or segment.call.primitive != OTHER
+        )
+        self._rests = False
+
+    def next_run(self, scene: Scene, seen: Observations) -> Run | None:
+        """Return the run of the next segment; in the end one that holds still, once."""
+        segment = next(self._segments, None)
+        if segment is None:
+            if self._rests:
+                return None
+            self._rests = True
+            return ActionsRun([hold_action(scene, self._last)] * REST_STEPS)
+        if segment.call.primitive == OTHER:
+            return ActionsRun(list(self._actions[segment.start : segment.end]))
+        return self.start(segment.call, self._primitives[segment.call.primitive], scene)
+
+
 def replay_demonstration(
     environment: Environment,
     primitives: Sequence[Primitive],
@@ -44,8 +106,7 @@ def replay_demonstration(
         environment: Where.
         primitives: What the segments name.
         parsed: What to execute.
-        replay_other: Whether segments that no primitive explains replay their recorded motor
-            actions; else they are skipped.
+        replay_other: See `SequenceRunner`.
 
     Returns:
         How it ended.
@@ -61,25 +122,9 @@ def replay_demonstration(
         )
     environment.reset(seed=0)
     environment.set_state(states[0])
-    by_name = {item.name: item for item in primitives}
-    steps, completed, last = 0, [], None
-    for segment in parsed.segments:
-        if segment.call.primitive == OTHER:
-            if not replay_other:
-                continue
-            actions = parsed.demonstration.actions[segment.start : segment.end]
-            execution = run_actions(environment, actions, stop_when_solved=True)
-        else:
-            primitive = by_name[segment.call.primitive]
-            parameters = segment.call.parameters
-            execution = run_primitive(environment, primitive, parameters, stop_when_solved=True)
-            completed.append(primitive.succeeded(execution.scenes, parameters))
-        steps += execution.steps
-        if execution.solved:
-            return Replay(True, steps, tuple(completed))
-        if execution.steps:
-            last = execution.actions[-1]
-    # An object that was let go of may still fall or rock.
-    hold = np.tile(hold_action(environment.scene(), last), (REST_STEPS, 1))
-    rest = run_actions(environment, hold, stop_when_solved=True)
-    return Replay(environment.is_success(), steps + rest.steps, tuple(completed))
+    runner = SequenceRunner(environment.description, primitives, parsed, replay_other=replay_other)
+    limits = [item.maximum_steps for item in primitives] + [parsed.demonstration.steps]
+    most = sum(max(limits) for _ in parsed.segments) + REST_STEPS
+    solved, scenes = run_policy(environment, runner, environment.scene().observation(), most)
+    completed = completed_calls(runner.records, scenes, {item.name: item for item in primitives})
+    return Replay(solved, len(scenes) - 1, completed)

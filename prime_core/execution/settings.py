@@ -1,8 +1,43 @@
-"""Settings of the evaluation."""
+"""Settings of the evaluation, and of the runner of primitives."""
 
-from pydantic import Field
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
 
 from prime_core.configuration import Config
+
+
+class RunnerConfig(Config):
+    """What the runner of primitives adds to the paper; the paper has none of it.
+
+    In YAML ``plain`` stands for all off: the policy's first candidate is made, whatever it is.
+    """
+
+    leave_out_unreachable: bool = True
+    """Whether a call that the arm cannot do gives way to the policy's next candidate."""
+    turn_unreachable: bool = True
+    """Whether it is first tried with the gripper turned to another yaw."""
+    repeats: int | None = Field(2, ge=1)
+    """How often like calls are made with all things in the same place; null for any number."""
+    leave_out_without_effect: bool = True
+    """Whether a primitive whose call changed nothing is not offered until something has changed."""
+
+
+PLAIN = RunnerConfig(
+    leave_out_unreachable=False,
+    turn_unreachable=False,
+    repeats=None,
+    leave_out_without_effect=False,
+)
+"""The paper's runner."""
+
+
+def _plain_by_name(value: Any) -> Any:
+    if value == "plain":
+        return PLAIN
+    if isinstance(value, str):
+        raise ValueError(f"found {value!r}: it must be 'plain', or a mapping of settings")
+    return value
 
 
 class EvaluationConfig(Config):
@@ -16,5 +51,7 @@ class EvaluationConfig(Config):
     """Trials of the last checkpoint, on first states of their own."""
     maximum_steps: int = Field(400, ge=1)
     """Motor actions of a trial at most."""
-    seed: int = 1
+    seed: int = Field(1, ge=0)
     """Of the trials' first states; no other stage draws from it."""
+    runner: Annotated[RunnerConfig, BeforeValidator(_plain_by_name)] = RunnerConfig()
+    """How a policy over primitives is run: ``plain`` as in the paper, or with these settings."""

@@ -1,24 +1,18 @@
-"""Runs a policy over primitives in an environment, trial by trial."""
+"""Runs a policy in an environment, trial by trial."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from prime_core.contracts.calls import PrimitiveCall
-from prime_core.contracts.environment import Environment
-from prime_core.contracts.policy import Policy
+from prime_core.contracts.environment import Environment, Observation
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.policy import MotorPolicy
 from prime_core.contracts.primitive import Primitive
 from prime_core.contracts.scene import Scene
-from prime_core.execution.motions import OnStep, run_primitive
-from prime_core.execution.repetition import CallHistory
-from prime_core.rotations import wrap_angle
-
-STILL = 0.01  # [m] that things and the gripper may be elsewhere and nothing has changed
-
-
-STILL_TURN = 0.1  # [rad] that the gripper may have turned
+from prime_core.execution.motions import OnStep, step
+from prime_core.execution.runner import CallRecord, SceneRunner
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,35 +21,31 @@ class Trial:
 
     Attributes:
         success: Whether the task was solved.
-        steps: Motor actions done; a primitive that ends at once counts as one.
-        calls: The primitive calls made.
+        steps: Motor actions done.
+        calls: The primitive calls made; a policy of motor actions makes none.
         completed: For each call, whether the primitive did what it is for.
     """
 
     success: bool
     steps: int
-    calls: tuple[PrimitiveCall, ...]
-    completed: tuple[bool, ...]
+    calls: tuple[PrimitiveCall, ...] = ()
+    completed: tuple[bool, ...] = ()
 
 
 def run_trial(
     environment: Environment,
     primitives: Sequence[Primitive],
-    policy: Policy,
+    policy: MotorPolicy,
     generator: np.random.Generator,
     maximum_steps: int,
     on_step: OnStep | None = None,
 ) -> Trial:
     """Reset the environment and let the policy act until the task is solved.
 
-    A primitive whose call changed nothing is not offered again until something has changed: the
-    same scene would lead to much the same call, for ever. A call is feasible if the arm can do it
-    and it was not made twice before with all things as they are (`CallHistory`).
-
     Args:
         environment: Where.
-        primitives: What the policy chooses from, in the order of its primitive space.
-        policy: Chooses.
+        primitives: What calls name; judges whether calls did what they are for.
+        policy: Acts. A runner's calls are recorded.
         generator: Of all random draws, the first state's included.
         maximum_steps: Motor actions at most.
         on_step: Called after each step.
@@ -63,61 +53,64 @@ def run_trial(
     Returns:
         What happened.
     """
-    environment.reset(seed=int(generator.integers(2**31)))
-    by_name = {item.name: item for item in primitives}
-    calls: list[PrimitiveCall] = []
-    completed: list[bool] = []
-    steps, solved = 0, False
-    idle: set[str] = set()
-    history = CallHistory(by_name)
-    while steps < maximum_steps and not solved:
-        scene = environment.scene()
-        startable = np.array([item.can_start(scene) for item in primitives])
-        if not startable.any():
+    observation, _ = environment.reset(seed=int(generator.integers(2**31)))
+    policy.reset(generator)
+    solved, scenes = run_policy(environment, policy, observation, maximum_steps, on_step)
+    records = policy.records if isinstance(policy, SceneRunner) else []
+    return Trial(
+        success=solved,
+        steps=len(scenes) - 1,
+        calls=tuple(record.call for record in records),
+        completed=completed_calls(records, scenes, {item.name: item for item in primitives}),
+    )
+
+
+def run_policy(
+    environment: Environment,
+    policy: MotorPolicy,
+    observation: Observation,
+    maximum_steps: int,
+    on_step: OnStep | None = None,
+) -> tuple[bool, list[Scene]]:
+    """Let a policy act until the task is solved, it gives up, or its steps are used up.
+
+    Args:
+        environment: Where; in the state that it starts from.
+        policy: Acts; it was reset.
+        observation: What the environment shows now.
+        maximum_steps: Motor actions at most.
+        on_step: Called after each step.
+
+    Returns:
+        Whether the task was solved, and the scenes at the start and after each step.
+    """
+    scenes, solved = [environment.scene()], False
+    while len(scenes) <= maximum_steps and not solved:
+        action = policy.act(Observations.single(observation).only(policy.sees))
+        if action is None:
             break
-        busy = startable & [item.name not in idle for item in primitives]
-        startable = busy if busy.any() else startable
-        feasible = partial(_is_feasible, by_name, history, scene)
-        call = policy.act(scene, startable, feasible, generator)
-        primitive = by_name[call.primitive]
-        execution = run_primitive(
-            environment,
-            primitive,
-            call.parameters,
-            step_limit=maximum_steps - steps,
-            stop_when_solved=True,
-            on_step=on_step,
+        observation, solved = step(environment, action)
+        scenes.append(environment.scene())
+        if on_step is not None:
+            on_step(scenes[-1])
+    return solved, scenes
+
+
+def completed_calls(
+    records: Sequence[CallRecord], scenes: Sequence[Scene], primitives: Mapping[str, Primitive]
+) -> tuple[bool, ...]:
+    """Return for each call whether the primitive did what it is for.
+
+    Args:
+        records: The calls.
+        scenes: With all objects, at the start of the episode and after each step.
+        primitives: By their names.
+    """
+    return tuple(
+        bool(
+            primitives[record.call.primitive].succeeded(
+                scenes[record.start : record.end + 1], record.call.parameters
+            )
         )
-        calls.append(call)
-        history.add(scene, call)
-        completed.append(primitive.succeeded(execution.scenes, call.parameters))
-        solved = execution.solved
-        if _has_changed(scene, execution.scenes[-1]):
-            idle.clear()
-        else:
-            idle.add(call.primitive)
-        # A primitive that ends at once still costs a step, or a policy could go on for ever.
-        steps += max(execution.steps, 1)
-    return Trial(solved, steps, tuple(calls), tuple(completed))
-
-
-def _is_feasible(
-    primitives: Mapping[str, Primitive], history: CallHistory, scene: Scene, call: PrimitiveCall
-) -> bool:
-    return not history.is_worn_out(scene, call) and primitives[call.primitive].reachable(
-        scene, call.parameters
+        for record in records
     )
-
-
-def _has_changed(before: Scene, after: Scene) -> bool:
-    """Whether something was taken or let go of, or the gripper or an object is elsewhere."""
-    if before.held != after.held:
-        return True
-    moves = np.vstack(
-        (
-            after.object_positions - before.object_positions,
-            after.gripper_position - before.gripper_position,
-        )
-    )
-    turn = wrap_angle(after.gripper_yaw - before.gripper_yaw)
-    return bool(np.linalg.norm(moves, axis=1).max() > STILL or abs(turn) > STILL_TURN)

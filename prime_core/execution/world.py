@@ -7,6 +7,7 @@ from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import Environment
 from prime_core.contracts.primitive import Primitive
+from prime_core.contracts.training import ModelContext
 from prime_core.errors import ConfigurationError
 
 
@@ -26,6 +27,10 @@ class World:
     def space(self) -> PrimitiveSpace:
         """The primitives' names and parameters."""
         return primitive_space(self.primitives)
+
+    def context(self, device: str) -> ModelContext:
+        """Return where models are used that compute on a device."""
+        return ModelContext(description=self.description, space=self.space, device=device)
 
 
 def primitive_space(primitives: Sequence[Primitive]) -> PrimitiveSpace:

@@ -16,6 +16,8 @@ class ComputeConfig(Config):
     cluster: Literal["local", "slurm"] = "local"
     """``local`` uses processes of this machine, ``slurm`` submits jobs, whose nodes must see the
     run's folder and this environment under the same paths."""
+    device: Literal["auto", "cpu", "cuda"] = "auto"
+    """Where networks compute: ``auto`` takes a GPU if there is one."""
     workers: int = Field(2, ge=0)
     """Processes or jobs that share the work of a stage; 0 does it all in the process itself."""
     partition: str | None = None

@@ -4,15 +4,19 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig
 from prime_core.errors import ConfigurationError
+from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.settings import ExperimentConfig
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.export import Export
 from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
 from prime_core.experiments.stages.parsing import Parsing
-from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.replay import Replaying
 from prime_core.experiments.stages.stage import Stage
 from prime_core.experiments.stages.video import Video
@@ -54,6 +58,7 @@ class Experiment:
             pairs=config.pairs.model_dump(mode="json"),
             idm=dump_choice(config.idm),
             seed=config.seed,
+            device=config.compute.device,
             infra=infra,
         )
         self.parsing = Parsing(
@@ -67,21 +72,41 @@ class Experiment:
         self.evaluations: dict[str, Evaluation] = {}
         self.videos: dict[str, Video] = {}
         for name, policy in config.policies.items():
-            training = PolicyTraining(
-                parsing=self.parsing,
-                augmentation=config.augmentation.model_dump(mode="json"),
-                policy=dump_choice(policy),
-                seeds=config.seeds,
+            training = self._training(policy, infra)
+            self.evaluations[name] = Evaluation(
+                training=training,
+                settings=_evaluation_settings(config.evaluation, policy),
                 infra=infra,
             )
-            settings = config.evaluation.model_dump(mode="json")
-            self.evaluations[name] = Evaluation(training=training, settings=settings, infra=infra)
-            steps = config.evaluation.maximum_steps
-            self.videos[name] = Video(training=training, maximum_steps=steps, infra=infra)
+            self.videos[name] = Video(
+                training=training,
+                runner=config.evaluation.runner.model_dump(mode="json"),
+                maximum_steps=config.evaluation.maximum_steps,
+                infra=infra,
+            )
         self.variants = {
             name: Experiment(variant, folder)
             for name, variant in config.resolved_variants().items()
         }
+
+    def _training(
+        self, policy: PolicyConfig, infra: dict[str, Any]
+    ) -> PrimitivePolicyTraining | MotorPolicyTraining:
+        """Return the stage that trains a policy of either kind."""
+        config = self.config
+        common: dict[str, Any] = {
+            "policy": dump_choice(policy),
+            "seeds": config.seeds,
+            "device": config.compute.device,
+            "infra": infra,
+        }
+        if isinstance(policy, MotorPolicyConfig):
+            return MotorPolicyTraining(demonstrations=self.demonstrations, **common)
+        return PrimitivePolicyTraining(
+            parsing=self.parsing,
+            augmentation=config.augmentation.model_dump(mode="json"),
+            **common,
+        )
 
     def _infra(self) -> dict[str, Any]:
         compute = self.config.compute
@@ -166,6 +191,12 @@ class Experiment:
                 f"--until {last}: there is no such stage. There are: {', '.join(stages)}"
             )
         return dict(_through(stages.items(), last))
+
+
+def _evaluation_settings(config: EvaluationConfig, policy: PolicyConfig) -> ConfigDump:
+    """Return settings without the runner's where a policy makes no calls of primitives."""
+    makes_no_calls = isinstance(policy, MotorPolicyConfig)
+    return config.model_dump(mode="json", exclude={"runner"} if makes_no_calls else None)
 
 
 def _identities(stages: dict[str, Stage]) -> set[str]:

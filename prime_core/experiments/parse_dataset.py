@@ -11,7 +11,7 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import validate_experiment
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
-from prime_core.registry.fields import validate_choice
+from prime_core.registry.fields import read_settings
 from prime_core.reporting.overview import draw_timelines_overview
 from prime_core.reporting.timeline import draw_timeline
 
@@ -57,8 +57,7 @@ def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstra
     if not source.exists():
         raise DatasetError(f"{source}: there is no such data set")
     kind = "lerobot" if source.is_dir() else "robosuite-hdf5"
-    config = validate_choice("demonstrator", {"type": kind, "path": str(source)})
-    assert isinstance(config, DemonstratorConfig)
+    config = read_settings(DemonstratorConfig, {"type": kind, "path": str(source)})
     settings = experiment.config
     idm, parser = experiment.idm.load(), settings.parser
     parsed = [

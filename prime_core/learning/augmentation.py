@@ -12,8 +12,8 @@ from prime_core.configuration import Config
 from prime_core.contracts.calls import OTHER
 from prime_core.contracts.demonstration import ParsedDemonstration
 from prime_core.contracts.idm import InverseDynamicsModel
-from prime_core.contracts.observations import Frames
-from prime_core.contracts.training import PolicyData
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.training import CallData, Labels
 from prime_core.learning.training_pairs import balanced_weights
 
 
@@ -32,21 +32,19 @@ class AugmentationConfig(Config):
     """Steps at the end of a segment that the type network does not learn from."""
 
 
-def rollout_policy_data(table: RolloutTable) -> PolicyData:
+def rollout_calls(table: RolloutTable) -> CallData:
     """Return the starts of rollouts, labelled with the calls that were made there."""
-    starts, labels = table.rows(table.rollouts[:, 0]), table.rollouts[:, 2]
-    weights = balanced_weights(labels)
-    return PolicyData(
-        table.frames, starts, labels, weights, starts, labels, table.parameters, weights
-    )
+    classes = table.rollouts[:, 2]
+    starts = Labels(table.rows(table.rollouts[:, :1]), classes, balanced_weights(classes))
+    return CallData(table.observations, starts, starts, table.parameters)
 
 
-def augmented_policy_data(
+def augmented_calls(
     parsed: Sequence[ParsedDemonstration],
     idm: InverseDynamicsModel,
     config: AugmentationConfig,
     generator: np.random.Generator,
-) -> PolicyData:
+) -> CallData:
     """Label frames inside segments with the primitive call that leads to the segment's end.
 
     Segments of `other` are left out. Parameters are the IDM's for (s_l, s_end).
@@ -67,7 +65,7 @@ def augmented_policy_data(
     parameters: list[NDArray[np.float64]] = []
     offset = 0
     for item in parsed:
-        features = idm.encode(item.demonstration.frames)
+        features = idm.encode(item.demonstration.observations.only(idm.sees))
         for segment in item.segments:
             if segment.call.primitive == OTHER:
                 continue
@@ -80,13 +78,13 @@ def augmented_policy_data(
             values.add(chosen + offset, label, 1.0)
             pairs = np.stack((chosen, np.full_like(chosen, segment.end)), axis=1)
             parameters.append(idm.parameters(features, pairs, np.full_like(chosen, label))[0])
-        offset += len(item.demonstration.frames)
-    frames = Frames(
-        np.concatenate([item.demonstration.frames.state for item in parsed]),
-        np.concatenate([item.demonstration.frames.environment_state for item in parsed]),
+        offset += len(item.demonstration.observations)
+    return CallData(
+        observations=Observations.join([item.demonstration.observations for item in parsed]),
+        types=types.labels(),
+        parameters=values.labels(),
+        values=np.concatenate([*parameters, np.empty((0, space.width))]),
     )
-    rows = np.concatenate([*parameters, np.empty((0, space.width))])
-    return PolicyData(frames, *types.arrays(), *values.arrays()[:2], rows, values.arrays()[2])
 
 
 class _Columns:
@@ -102,12 +100,12 @@ class _Columns:
         self._labels.append(np.full(len(frames), label, dtype=np.int64))
         self._weights.append(np.full(len(frames), weight))
 
-    def arrays(self) -> tuple[Indices, Indices, NDArray[np.float64]]:
+    def labels(self) -> Labels:
         nothing = np.empty(0, dtype=np.int64)
-        return (
-            np.concatenate([nothing, *self._frames]),
-            np.concatenate([nothing, *self._labels]),
-            np.concatenate([np.empty(0), *self._weights]),
+        return Labels(
+            rows=np.concatenate([nothing, *self._frames])[:, None],
+            classes=np.concatenate([nothing, *self._labels]),
+            weights=np.concatenate([np.empty(0), *self._weights]),
         )
 
 

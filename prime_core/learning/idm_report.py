@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from prime_core.arrays import Floats
 from prime_core.contracts.calls import OTHER, ParameterSpace
 from prime_core.contracts.idm import InverseDynamicsModel
-from prime_core.contracts.training import PairData
-from prime_core.rotations import yaw_of
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.training import CallData
 
 POSE_NAMES = ("x", "y", "z", "yaw")
 """Parameters that are a gripper pose, by the names that primitives give them."""
 
 
-def report_on(idm: InverseDynamicsModel, held_out: PairData) -> dict[str, Any]:
+def report_on(idm: InverseDynamicsModel, held_out: CallData) -> dict[str, Any]:
     """Test an IDM on held-out pairs, the trivial baseline beside it.
 
     Args:
@@ -27,11 +27,11 @@ def report_on(idm: InverseDynamicsModel, held_out: PairData) -> dict[str, Any]:
         primitive the median parameter errors of the IDM and of the baseline that takes the
         gripper's pose at s' for the parameters.
     """
-    features = idm.encode(held_out.frames)
+    features = idm.encode(held_out.observations.only(idm.sees))
     names = (*idm.space.names, OTHER)
-    guesses = idm.score(features, held_out.type_pairs).argmax(axis=1)
+    guesses = idm.score(features, held_out.types.rows).argmax(axis=1)
     confusion = np.zeros((len(names), len(names)), dtype=np.int64)
-    np.add.at(confusion, (held_out.type_labels, guesses), 1)
+    np.add.at(confusion, (held_out.types.classes, guesses), 1)
     totals = confusion.sum(axis=1)
     accuracy = {
         name: float(confusion[index, index] / totals[index])
@@ -40,7 +40,7 @@ def report_on(idm: InverseDynamicsModel, held_out: PairData) -> dict[str, Any]:
     }
     errors: dict[str, Any] = {}
     for label, name in enumerate(idm.space.names):
-        rows = held_out.parameter_labels == label
+        rows = held_out.parameters.classes == label
         if rows.any():
             errors[name] = _parameter_errors(idm, held_out, features, rows, label)
     return {
@@ -54,16 +54,16 @@ def report_on(idm: InverseDynamicsModel, held_out: PairData) -> dict[str, Any]:
 
 def _parameter_errors(
     idm: InverseDynamicsModel,
-    data: PairData,
+    data: CallData,
     features: NDArray[np.float32],
     rows: NDArray[np.bool_],
     label: int,
 ) -> dict[str, Any]:
     space = idm.space.parameter_spaces[label]
-    truth = data.parameters[rows, : len(space)]
-    pairs = data.parameter_pairs[rows]
-    guess, _ = idm.parameters(features, pairs, data.parameter_labels[rows])
-    baseline = gripper_as_parameters(space, data.frames.state[pairs[:, 1]], truth)
+    truth = data.values[rows, : len(space)]
+    pairs = data.parameters.rows[rows]
+    guess, _ = idm.parameters(features, pairs, data.parameters.classes[rows])
+    baseline = gripper_as_parameters(space, data.observations[pairs[:, 1]], truth)
     return {
         "rollouts": int(rows.sum()),
         "idm": median_errors(space, guess[:, : len(space)], truth),
@@ -71,20 +71,18 @@ def _parameter_errors(
     }
 
 
-def gripper_as_parameters(
-    space: ParameterSpace, state: NDArray[np.float32], fill: Floats
-) -> Floats:
+def gripper_as_parameters(space: ParameterSpace, seen: Observations, fill: Floats) -> Floats:
     """Take the gripper's pose for the parameters x, y, z and yaw.
 
     Args:
         space: The parameters' names.
-        state: ``observation.state`` at s', ``(n, state width)``.
+        seen: At s', ``N = n``.
         fill: Values of parameters that a pose does not have, ``(n, P)``.
 
     Returns:
         ``(n, P)``.
     """
-    pose = np.column_stack((state[:, :3], yaw_of(state[:, 3:7])))
+    pose = np.column_stack((seen.gripper_position, seen.gripper_yaw))
     result = fill.copy()
     for index, item in enumerate(space.parameters):
         if item.name in POSE_NAMES:

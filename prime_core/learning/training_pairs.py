@@ -7,8 +7,7 @@ from prime_core.arrays import Floats, Indices
 from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.observations import OBJECT_WIDTH
-from prime_core.contracts.training import PairData
+from prime_core.contracts.training import CallData, Labels
 
 
 class PairConfig(Config):
@@ -33,7 +32,7 @@ class PairConfig(Config):
 
 def training_pairs(
     table: RolloutTable, space: PrimitiveSpace, config: PairConfig, generator: np.random.Generator
-) -> PairData:
+) -> CallData:
     """Make the pairs that an IDM is trained on.
 
     Args:
@@ -51,15 +50,13 @@ def training_pairs(
     type_labels = np.concatenate((labels, np.full(len(others), len(space.names))))
     copies = [pairs, *(_jittered(table, config, generator) for _ in range(config.jittered_copies))]
     parameter_labels = np.tile(labels, len(copies))
-    return PairData(
-        frames=table.frames,
-        type_pairs=table.rows(type_pairs),
-        type_labels=type_labels,
-        type_weights=balanced_weights(type_labels),
-        parameter_pairs=table.rows(np.concatenate(copies)),
-        parameter_labels=parameter_labels,
-        parameters=np.tile(table.parameters, (len(copies), 1)),
-        parameter_weights=balanced_weights(parameter_labels),
+    return CallData(
+        observations=table.observations,
+        types=Labels(table.rows(type_pairs), type_labels, balanced_weights(type_labels)),
+        parameters=Labels(
+            table.rows(np.concatenate(copies)), parameter_labels, balanced_weights(parameter_labels)
+        ),
+        values=np.tile(table.parameters, (len(copies), 1)),
     )
 
 
@@ -90,11 +87,10 @@ def hard_negatives(
         rows, same = first[:, 2] == label, rollouts[rollouts[:, 2] == label]
         second[rows] = same[generator.integers(len(same), size=int(rows.sum()))]
     start, end = first[:, 0], second[:, 1]
-    objects = table.frames.environment_state.reshape(len(table.frames), -1, OBJECT_WIDTH)
-    before, after = objects[table.rows(start)], objects[table.rows(end)]
-    moved = np.linalg.norm(before[:, :, :3] - after[:, :, :3], axis=-1)
+    before, after = (table.observations[table.rows(frames)] for frames in (start, end))
+    moved = np.linalg.norm(before.object_positions - after.object_positions, axis=-1)
     keep = table.episode(start) != table.episode(end)
-    keep &= before[:, :, 7].max(axis=-1, initial=0) < 0.5
+    keep &= ~before.held.any(axis=-1)
     keep &= moved.max(axis=-1, initial=0) > 0.02
     pairs: Indices = np.stack((start, end), axis=1)[keep]
     return pairs

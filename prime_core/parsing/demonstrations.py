@@ -22,8 +22,8 @@ def parse_demonstration(
     Returns:
         The demonstration with its segments.
     """
-    parsed = config.build().parse(score_pairs(idm, demonstration.frames, config))
-    features = idm.encode(demonstration.frames)
+    features = idm.encode(demonstration.observations.only(idm.sees))
+    parsed = config.build().parse(score_pairs(idm, features, config))
     segments = []
     for item in parsed:
         if item.label == len(idm.space.names):

@@ -1,10 +1,10 @@
 """Scores the segments that a demonstration could be cut into."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prime_core.arrays import Indices
 from prime_core.contracts.idm import InverseDynamicsModel
-from prime_core.contracts.observations import Frames
 from prime_core.contracts.parser import PairScores, ParserConfig
 
 CHUNK = 65536
@@ -19,23 +19,24 @@ def all_pairs(frames: int, minimum_steps: int, maximum_steps: int) -> Indices:
     return np.stack((np.broadcast_to(starts, ends.shape)[inside], ends[inside]), axis=1)
 
 
-def score_pairs(idm: InverseDynamicsModel, frames: Frames, config: ParserConfig) -> PairScores:
+def score_pairs(
+    idm: InverseDynamicsModel, features: NDArray[np.float32], config: ParserConfig
+) -> PairScores:
     """Score all pairs of a demonstration's frames, in batches.
 
     Args:
         idm: Gives log p(primitive | s, s') and, for ``score: joint``, the density of the most
             likely parameters.
-        frames: The demonstration's frames.
+        features: Of the demonstration's frames, from ``idm.encode``, ``(N, features)``.
         config: The limits, and which score.
 
     Returns:
         The scores, for a parser.
     """
-    features = idm.encode(frames)
-    pairs = all_pairs(len(frames), config.minimum_steps, config.maximum_steps)
+    pairs = all_pairs(len(features), config.minimum_steps, config.maximum_steps)
     classes = len(idm.space.names) + 1
     lengths = config.maximum_steps - config.minimum_steps + 1
-    scores = np.full((len(frames), lengths, classes), -np.inf)
+    scores = np.full((len(features), lengths, classes), -np.inf)
     for first in range(0, len(pairs), CHUNK):
         chunk = pairs[first : first + CHUNK]
         values = idm.score(features, chunk).astype(np.float64)

@@ -11,7 +11,8 @@ from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.parser import ParserConfig
 from prime_core.contracts.policy import PolicyConfig
 from prime_core.contracts.primitive import PrimitiveConfig
-from prime_core.errors import UnknownTypeError
+from prime_core.errors import ConfigurationError, UnknownTypeError
+from prime_core.registry.kinds import KINDS
 from prime_core.registry.loading import load_plugins
 
 
@@ -38,6 +39,20 @@ def validate_choice(kind: str, value: Any) -> Config:
     except UnknownTypeError as problem:
         raise ValueError(str(problem)) from problem
     return config_class.model_validate({key: value[key] for key in value if key != "type"})
+
+
+def read_settings[AnyConfig: Config](base: type[AnyConfig], dump: ConfigDump) -> AnyConfig:
+    """Return registered settings of a kind from plain data.
+
+    Args:
+        base: Class that the kind's settings derive from, such as ``EnvironmentConfig``.
+        dump: What `dump_choice` returned.
+    """
+    (kind,) = (name for name, item in KINDS.items() if issubclass(base, item.base))
+    config = validate_choice(kind, dump)
+    if not isinstance(config, base):
+        raise ConfigurationError(f"{dump['type']} is no {base.__name__}: name another type")
+    return config
 
 
 def dump_choice(config: Config) -> ConfigDump:

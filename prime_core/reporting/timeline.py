@@ -9,7 +9,7 @@ from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import ParsedDemonstration, Segment
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import CONTROL_FREQUENCY
-from prime_core.contracts.observations import OBJECT_WIDTH, Frames
+from prime_core.contracts.observations import Observations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +23,6 @@ from prime_core.reporting.style import (
     _save,
     primitive_colours,
 )
-
-GRIPPER_HEIGHT_COLUMN, GRIPPER_OPENING_COLUMN = 2, 7
 
 
 def draw_timeline(
@@ -47,9 +45,9 @@ def draw_timeline(
         fps: Frames a second.
     """
     figure, (bars, height, opening) = _panels()
-    frames = parsed.demonstration.frames
+    seen = parsed.demonstration.observations
     colours = primitive_colours(space.names)
-    steps = max(len(frames) - 1, 1)
+    steps = max(len(seen) - 1, 1)
     for segment in parsed.segments:
         _draw_bar(bars, segment, colours, row=0.0, thickness=0.8)
         _write_label(bars, segment, _parameter_lines(segment, space), steps)
@@ -57,13 +55,13 @@ def draw_timeline(
             panel.axvline(segment.end, color=INK, linewidth=0.4, alpha=0.35)
     bars.set(ylim=(-1.25, 0.5), yticks=[])
     bars.set_title(title, fontsize=NORMAL, loc="left", color=INK)
-    time = np.arange(len(frames))
-    height.plot(time, frames.state[:, GRIPPER_HEIGHT_COLUMN], color="#0072B2", linewidth=1.2)
+    time = np.arange(len(seen))
+    height.plot(time, seen.gripper_position[:, 2], color="#0072B2", linewidth=1.2)
     height.set_ylabel("height [m]", fontsize=SMALL)
-    opening.plot(time, frames.state[:, GRIPPER_OPENING_COLUMN], color="#D55E00", linewidth=1.2)
+    opening.plot(time, seen.gripper_opening, color="#D55E00", linewidth=1.2)
     opening.set_ylabel("opening [m]", fontsize=SMALL)
-    _mark_held(height, frames, description, named=False)
-    _mark_held(opening, frames, description, named=True)
+    _mark_held(height, seen, description, named=False)
+    _mark_held(opening, seen, description, named=True)
     opening.set_xlabel(f"step ({fps} a second)", fontsize=SMALL)
     _finish([bars, height, opening], steps)
     _save(figure, Path(path))
@@ -111,14 +109,14 @@ def _parameter_lines(segment: Segment, space: PrimitiveSpace) -> str:
 
 
 def _mark_held(
-    axes: "Axes", frames: Frames, description: SceneDescription | None, *, named: bool
+    axes: "Axes", seen: Observations, description: SceneDescription | None, *, named: bool
 ) -> None:
     """Shade the steps at which the gripper holds an object."""
-    width = frames.environment_state.shape[1]
-    objects = frames.environment_state.reshape(len(frames), width // OBJECT_WIDTH, OBJECT_WIDTH)
-    for index in range(objects.shape[1]):
+    if seen.environment_state is None:
+        return
+    for index, flags in enumerate(seen.held.T):
         name = description.objects[index].name if description else f"object {index}"
-        held = np.concatenate(([False], objects[:, index, 7] > 0.5, [False]))
+        held = np.concatenate(([False], flags, [False]))
         edges = np.flatnonzero(np.diff(held.astype(np.int8)))
         for number, (start, end) in enumerate(edges.reshape(-1, 2)):
             axes.axvspan(start, end - 1, color="#999999", alpha=0.22, linewidth=0)

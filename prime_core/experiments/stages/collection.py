@@ -15,9 +15,7 @@ from prime_core.configuration import ConfigDump
 from prime_core.execution.world import World
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.registry.building import build_world
-
-_STREAM = 1
-"""Keeps the draws of collection apart from those of other stages with the same seed."""
+from prime_core.seeds import Stream, generator_of
 
 
 class Collection(Stage):
@@ -54,7 +52,7 @@ class Collection(Stage):
             draws = Draws.none(len(space.names))
             for number in config.shard_episodes(int(item)):
                 world = worlds[number % len(worlds)]
-                generator = np.random.default_rng([self.seed, _STREAM, number])
+                generator = generator_of(Stream.COLLECTION, self.seed, number)
                 episode, counted = collect_episode(
                     world.environment, world.primitives, space, config, generator
                 )

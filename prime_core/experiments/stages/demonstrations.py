@@ -1,16 +1,17 @@
 """The stage that shows or imports demonstrations."""
 
 from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
-from prime_core.contracts.observations import Frames
+from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.contracts.observations import Observations
 from prime_core.experiments.stages.stage import Result, Stage
-from prime_core.registry.building import environment_config
-from prime_core.registry.fields import validate_choice
+from prime_core.registry.fields import read_settings
 
 
 class Demonstrations(Stage):
@@ -26,9 +27,7 @@ class Demonstrations(Stage):
     @property
     def config(self) -> DemonstratorConfig:
         """The source."""
-        config = validate_choice("demonstrator", self.demonstrator)
-        assert isinstance(config, DemonstratorConfig)
-        return config
+        return read_settings(DemonstratorConfig, self.demonstrator)
 
     def items(self) -> list[str]:
         """Return the demonstrations' numbers."""
@@ -36,13 +35,13 @@ class Demonstrations(Stage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Show or import demonstrations."""
-        environment = environment_config(self.environment)
+        environment = read_settings(EnvironmentConfig, self.environment)
         config = self.config
         for item in items:
             shown = config.demonstrate(environment, int(item), self.seed)
             yield {
-                "state": shown.frames.state,
-                "environment_state": shown.frames.environment_state,
+                "state": shown.observations.state,
+                "environment_state": shown.observations.environment_state,
                 "actions": shown.actions,
                 "simulator_states": shown.simulator_states,
                 "task": shown.task,
@@ -52,12 +51,16 @@ class Demonstrations(Stage):
         """Return all demonstrations."""
         return [
             Demonstration(
-                frames=Frames(np.array(item["state"]), np.array(item["environment_state"])),
+                observations=Observations(
+                    np.array(item["state"]), _array_or_none(item["environment_state"])
+                ),
                 actions=np.array(item["actions"]),
                 task=item["task"],
-                simulator_states=(
-                    None if item["simulator_states"] is None else np.array(item["simulator_states"])
-                ),
+                simulator_states=_array_or_none(item["simulator_states"]),
             )
             for item in self.results()
         ]
+
+
+def _array_or_none(values: Any) -> NDArray[Any] | None:
+    return None if values is None else np.array(values)

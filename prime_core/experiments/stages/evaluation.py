@@ -1,21 +1,20 @@
 """The stage that evaluates a policy's checkpoints."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import ClassVar
 
-import numpy as np
-
 from prime_core.configuration import ConfigDump
-from prime_core.contracts.policy import Policy
+from prime_core.contracts.policy import MotorPolicy
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.execution.trial import Trial, run_trial
-from prime_core.execution.world import World
-from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
+from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.seeds import Stream, generator_of
 
-_STREAMS = {"checkpoint": 4, "fresh": 5}
+STREAMS = {"checkpoint": Stream.CHECKPOINT_TRIALS, "fresh": Stream.FRESH_TRIALS}
 """Trials of all checkpoints, and fresh trials of the last one, never share a first state."""
-
 
 BATCH = 10
 """Trials of an item: one loading of a checkpoint serves them all."""
@@ -27,7 +26,7 @@ class Evaluation(Stage):
     title: ClassVar[str] = "evaluation"
     unit: ClassVar[str] = "batches of trials"
 
-    training: PolicyTraining
+    training: PrimitivePolicyTraining | MotorPolicyTraining
     settings: ConfigDump
 
     @property
@@ -50,26 +49,23 @@ class Evaluation(Stage):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Run trials."""
         config, world = self.config, self.training.build_world()
-        loaded: tuple[str, Policy] | None = None
+        loaded: tuple[Path, MotorPolicy] | None = None
         for item in items:
             kind, seed, number, batch = item.split("/")
             total = config.trials if kind == "checkpoint" else config.fresh_trials
             first = int(batch) * BATCH
             path = self.training.checkpoints(seed)[int(number)]
-            if loaded is None or loaded[0] != str(path):
-                policy = self.training.config.load(path, world.description, world.space)
-                loaded = str(path), policy
+            if loaded is None or loaded[0] != path:
+                loaded = path, self.training.load(path, world, config.runner)
             trials = []
-            for trial in range(first, min(first + BATCH, total)):
+            for number_of_trial in range(first, min(first + BATCH, total)):
                 # All checkpoints of a seed meet the same first states, other seeds other ones.
-                generator = np.random.default_rng([config.seed, _STREAMS[kind], int(seed), trial])
-                trials.append(_record(self._run(world, loaded[1], generator)))
+                generator = generator_of(STREAMS[kind], config.seed, int(seed), number_of_trial)
+                trial = run_trial(
+                    world.environment, world.primitives, loaded[1], generator, config.maximum_steps
+                )
+                trials.append(_record(trial))
             yield {"trials": trials}
-
-    def _run(self, world: World, policy: Policy, generator: np.random.Generator) -> Trial:
-        return run_trial(
-            world.environment, world.primitives, policy, generator, self.config.maximum_steps
-        )
 
     def trials(self) -> dict[str, dict[str, dict[str, list[Result]]]]:
         """Return all trials by kind, seed and checkpoint."""

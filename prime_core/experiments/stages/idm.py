@@ -3,18 +3,16 @@
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
-import numpy as np
-
 from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
+from prime_core.contracts.training import TrainingContext
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.learning.idm_report import report_on
 from prime_core.learning.training_pairs import PairConfig, training_pairs
-from prime_core.registry.fields import validate_choice
-
-_STREAM = 2
+from prime_core.registry.fields import read_settings
+from prime_core.seeds import Stream, generator_of
 
 
 class IdmTraining(Stage):
@@ -27,13 +25,12 @@ class IdmTraining(Stage):
     pairs: ConfigDump
     idm: ConfigDump
     seed: int
+    device: str = "auto"
 
     @property
     def config(self) -> IdmConfig:
         """Which model."""
-        config = validate_choice("idm", self.idm)
-        assert isinstance(config, IdmConfig)
-        return config
+        return read_settings(IdmConfig, self.idm)
 
     def items(self) -> list[str]:
         """Return the one item."""
@@ -45,19 +42,18 @@ class IdmTraining(Stage):
             world = self.collection.build_world()
             space = world.space
             pairs = PairConfig.model_validate(self.pairs)
-            generator = np.random.default_rng([self.seed, _STREAM])
+            generator = generator_of(Stream.IDM, self.seed)
             count = self.collection.config.episodes
             cut = max(1, count - round(count * pairs.held_out_share))
             table = RolloutTable(self.collection.episodes(end=cut), pairs.around)
             data = training_pairs(table, space, pairs, generator)
-            model = self.config.fit(
-                data,
-                world.description,
-                space,
-                self.folder / item,
-                self.seed,
-                self.progress_writer(item),
+            context = TrainingContext(
+                **vars(world.context(self.device)),
+                folder=self.folder / item,
+                seed=self.seed,
+                progress=self.progress_writer(item),
             )
+            model = self.config.fit(data, context)
             exact = pairs.model_copy(update={"jittered_copies": 0})
             left_out = RolloutTable(self.collection.episodes(start=cut)) if cut < count else table
             held_out = training_pairs(left_out, space, exact, generator)
@@ -67,4 +63,4 @@ class IdmTraining(Stage):
         """Return the trained model."""
         self.results()
         world = self.collection.build_world()
-        return self.config.load(self.folder / "model", world.description, world.space)
+        return self.config.load(self.folder / "model", world.context(self.device))

@@ -13,7 +13,7 @@ from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.idm import IdmTraining
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.parsing.demonstrations import parse_demonstration
-from prime_core.registry.fields import validate_choice
+from prime_core.registry.fields import read_settings
 
 
 class Parsing(Stage):
@@ -29,9 +29,7 @@ class Parsing(Stage):
     @property
     def config(self) -> ParserConfig:
         """Which parser."""
-        config = validate_choice("parser", self.parser)
-        assert isinstance(config, ParserConfig)
-        return config
+        return read_settings(ParserConfig, self.parser)
 
     def items(self) -> list[str]:
         """Return the demonstrations' numbers."""

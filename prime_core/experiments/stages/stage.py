@@ -40,6 +40,7 @@ class Stage(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     infra: exca.MapInfra = exca.MapInfra()
+    _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = ("device",)
 
     title: ClassVar[str]
     """What the stage does, for people."""

@@ -6,15 +6,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.configuration import ConfigDump
 from prime_core.contracts.scene import Scene
-from prime_core.execution.settings import EvaluationConfig
+from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.trial import run_trial
-from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
+from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.reporting.video import write_video
-
-_STREAM = 6
-
+from prime_core.seeds import Stream, generator_of
 
 CAMERA = "agentview"
 
@@ -30,8 +30,9 @@ class Video(Stage):
     unit: ClassVar[str] = "episodes"
     optional: ClassVar[bool] = True
 
-    training: PolicyTraining
-    maximum_steps: int = EvaluationConfig().maximum_steps
+    training: PrimitivePolicyTraining | MotorPolicyTraining
+    runner: ConfigDump
+    maximum_steps: int
 
     def items(self) -> list[str]:
         """Return the one item."""
@@ -43,7 +44,8 @@ class Video(Stage):
             world = self.training.build_world()
             seed = self.training.items()[0]
             path = self.training.checkpoints(seed)[-1]
-            policy = self.training.config.load(path, world.description, world.space)
+            runner = RunnerConfig.model_validate(self.runner)
+            policy = self.training.load(path, world, runner)
             pictures: list[NDArray[np.uint8]] = []
 
             def film(_: Scene, pictures: list[NDArray[np.uint8]] = pictures) -> None:
@@ -53,7 +55,7 @@ class Video(Stage):
                 world.environment,
                 world.primitives,
                 policy,
-                np.random.default_rng([int(seed), _STREAM]),
+                generator_of(Stream.VIDEO, int(seed)),
                 self.maximum_steps,
                 on_step=film,
             )

@@ -1,0 +1,81 @@
+"""What is checked of policies over primitives alone."""
+
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.checks.requirement import require, require_array
+from prime_core.checks.samples import SPACE, Answer, sample_calls, sample_observations
+from prime_core.contracts.calls import PrimitiveCall
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.policy import PrimitivePolicy, PrimitivePolicyConfig
+from prime_core.contracts.training import TrainingContext
+
+SCENES = 8
+CANDIDATES = 5
+"""Candidates looked at in each scene; a policy may yield any number."""
+
+
+def fit_primitive_policy(config: PrimitivePolicyConfig, context: TrainingContext) -> Sequence[Path]:
+    """Train a policy on made-up rollouts and demonstrations, and return its checkpoints."""
+    rollouts = sample_calls(context.seed) if config.pretrain else None
+    return config.fit(rollouts, sample_calls(context.seed + 1), context)
+
+
+def check_calls(policy: PrimitivePolicy, seed: int) -> list[Answer]:
+    """Return the first candidates in some scenes where everything can start, checked.
+
+    Raises:
+        CheckError: If a candidate is no call of a primitive that can start.
+    """
+    seen = sample_observations(np.random.default_rng(seed + 2), SCENES)
+    scenes = [seen[row : row + 1].only(policy.sees) for row in range(SCENES)]
+    for index, name in enumerate(SPACE.names):
+        alone = np.arange(len(SPACE.names)) == index
+        for scene in scenes:
+            for call in _candidates(policy, scene, alone, np.random.default_rng(seed)):
+                require(
+                    call.primitive == name,
+                    f"candidates() yielded {call.primitive!r} where only {name!r} can start: it "
+                    "must choose among the primitives that `startable` allows",
+                )
+    everything = np.ones(len(SPACE.names), dtype=np.bool_)
+    generator = np.random.default_rng(seed)
+    calls = [call for scene in scenes for call in _candidates(policy, scene, everything, generator)]
+    return [(call.primitive, call.parameters) for call in calls]
+
+
+def _candidates(
+    policy: PrimitivePolicy,
+    seen: Observations,
+    startable: NDArray[np.bool_],
+    generator: np.random.Generator,
+) -> list[PrimitiveCall]:
+    found = list(islice(policy.candidates(seen, startable.copy(), generator), CANDIDATES))
+    require(
+        len(found) > 0,
+        "candidates() yielded nothing: it must yield a call where a primitive can start",
+    )
+    for call in found:
+        _check_call(call)
+    return found
+
+
+def _check_call(call: PrimitiveCall) -> None:
+    require(
+        isinstance(call, PrimitiveCall) and call.primitive in SPACE.names,
+        f"candidates() yielded {call!r}: it must yield PrimitiveCalls of {list(SPACE.names)}",
+    )
+    space = SPACE.parameter_spaces[SPACE.names.index(call.primitive)]
+    subject = f"the parameters of candidates() for {call.primitive!r}"
+    require_array(call.parameters, (len(space),), np.floating, subject)
+    inside = np.all(call.parameters >= space.low - 1e-6)
+    inside &= np.all(call.parameters <= space.high + 1e-6)
+    require(
+        bool(inside),
+        f"{subject} are {call.parameters}: they must be in their units, within {space.low} to "
+        f"{space.high}",
+    )

@@ -1,0 +1,44 @@
+"""The stage that trains policies over motor actions."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
+from prime_core.execution.settings import RunnerConfig
+from prime_core.execution.world import World
+from prime_core.experiments.stages.demonstrations import Demonstrations
+from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.stage import Result
+from prime_core.registry.building import build_world
+from prime_core.registry.fields import read_settings
+
+
+class MotorPolicyTraining(PolicyTraining):
+    """Policies over motor actions, trained on demonstrations as they were recorded.
+
+    It depends on no collection, IDM or parser: their settings may change, and nothing is trained
+    anew.
+    """
+
+    demonstrations: Demonstrations
+
+    @property
+    def config(self) -> MotorPolicyConfig:
+        """Which policy."""
+        return read_settings(MotorPolicyConfig, self.policy)
+
+    def build_world(self) -> World:
+        """Build where the policy acts."""
+        return build_world(self.demonstrations.environment, ())
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Train policies."""
+        world, demonstrations = self.build_world(), self.demonstrations.load()
+        for item in items:
+            context = self.training_context(world.context(self.device), item)
+            checkpoints = self.config.fit(demonstrations, context)
+            yield {"checkpoints": [str(path.relative_to(self.folder)) for path in checkpoints]}
+
+    def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
+        """Load a checkpoint; it makes no calls, so that the runner's settings mean nothing."""
+        return self.config.load(checkpoint, world.context(self.device))
