@@ -18,13 +18,9 @@ class CollectionConfig(Config):
     """Share of draws that are runs of random motor actions."""
     atomic_steps: StepRange = (20, 60)
     """Least and greatest length of such a run."""
-    prior_share: float = Field(0.9, ge=0, le=1)
-    """Share of parameter draws from the primitives' priors; the others are uniform."""
     attempts: int = Field(4, ge=1)
-    """Parameter draws that are tried from one state until one succeeds."""
-    undos: int = Field(0, ge=0)
-    """States from which all attempts may fail before the episode is given up. With `attempts`,
-    fewer than the release's 10: after a failed grasp the object mostly lies out of reach of one."""
+    """Parameter draws that are tried from one state until one succeeds, or the episode is given
+    up (the release: 10)."""
     other_pairs: int = Field(60, ge=0)
     """Pairs of `other` drawn in each episode (paper: K)."""
     other_steps: StepRange = (5, 200)

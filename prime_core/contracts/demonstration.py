@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,11 @@ class Demonstration:
 
 class DemonstratorConfig(Config):
     """Settings of a source of demonstrations; what packs register."""
+
+    @classmethod
+    def reads(cls, source: Path) -> bool:
+        """Whether ``{type: ..., path: SOURCE}`` are settings that read a file or folder."""
+        return False
 
     @abstractmethod
     def count_available(self) -> int:

@@ -66,6 +66,7 @@ class RobotDescription:
         hand_geoms: Names of the geoms that must not touch the furniture.
         furniture_geoms: Names of the geoms of tables and bins.
         joint_velocity_limits: [rad/s], ``(J,)``.
+        name: As LeRobot calls the robot.
     """
 
     mjcf: str = field(repr=False)
@@ -74,6 +75,7 @@ class RobotDescription:
     hand_geoms: tuple[str, ...] = ()
     furniture_geoms: tuple[str, ...] = ()
     joint_velocity_limits: tuple[float, ...] = ()
+    name: str = "unknown"
 
 
 @dataclass(frozen=True)

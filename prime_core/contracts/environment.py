@@ -45,6 +45,8 @@ class Environment(gymnasium.Env[Observation, Action]):
     """
 
     description: SceneDescription
+    default_camera: str | None = None
+    """The camera that shows the whole scene; None where there is none."""
 
     @abstractmethod
     def scene(self) -> Scene:

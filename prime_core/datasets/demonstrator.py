@@ -21,6 +21,11 @@ class LeRobotDemonstratorConfig(DemonstratorConfig):
     episodes: tuple[int, ...] | None = Field(None, min_length=1)
     """Indices of the episodes to take, in this order; all if null."""
 
+    @classmethod
+    def reads(cls, source: Path) -> bool:
+        """Whether it is a folder: whether it holds a data set is found out by reading it."""
+        return source.is_dir()
+
     def count_available(self) -> int:
         """How many demonstrations it gives."""
         return count_episodes(self.path) if self.episodes is None else len(self.episodes)

@@ -35,8 +35,6 @@ def write_dataset(
     segments: parsed.SegmentLists | None = None,
     space: PrimitiveSpace | None = None,
     motion_rows: bool = True,
-    fps: int = CONTROL_FREQUENCY,
-    robot_type: str = "panda",
     replace: bool = False,
 ) -> None:
     """Write demonstrations as a LeRobot v3 data set.
@@ -51,8 +49,6 @@ def write_dataset(
         motion_rows: Whether segments are also written as LeRobot's ``language_persistent`` rows
             of style ``motion``. They put lists into the items of a ``LeRobotDataset``, which
             only LeRobot's own collate function can batch.
-        fps: Frames a second.
-        robot_type: As LeRobot calls the robot.
         replace: Whether a data set that is there already gives way, once the new one is complete.
 
     Raises:
@@ -65,7 +61,7 @@ def write_dataset(
         raise ValueError("segments and space go together")
     episodes = _episodes(demonstrations, description)
     if segments is not None and space is not None:
-        _label(episodes, segments, space, fps if motion_rows else None)
+        _label(episodes, segments, space, CONTROL_FREQUENCY if motion_rows else None)
     contents = layout.Contents(
         simulator_state_width=_simulator_state_width(episodes),
         segments=segments is not None,
@@ -74,7 +70,8 @@ def write_dataset(
     features = layout.features_of(description, contents)
     try:
         with new_folder(folder) as partial:
-            write_files(partial, episodes, features, fps=fps, robot_type=robot_type)
+            robot = "unknown" if description.robot is None else description.robot.name
+            write_files(partial, episodes, features, fps=CONTROL_FREQUENCY, robot_type=robot)
             _write_prime_files(partial, environment, segments, space)
     except OSError as error:
         raise DatasetError(f"{folder} cannot be written: {error}") from error

@@ -85,8 +85,7 @@ class Experiment:
                 infra=infra,
             )
         self.variants = {
-            name: Experiment(variant, folder)
-            for name, variant in config.resolved_variants().items()
+            name: Experiment(variant, folder) for name, variant in config.resolved_variants.items()
         }
 
     def _training(

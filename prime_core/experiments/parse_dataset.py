@@ -12,6 +12,7 @@ from prime_core.experiments.reading import validate_experiment
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
+from prime_core.registry.loading import load_plugins
 from prime_core.reporting.overview import draw_timelines_overview
 from prime_core.reporting.timeline import draw_timeline
 
@@ -56,8 +57,7 @@ def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstra
         raise DatasetError(f"{target}: is there already: choose another folder with --out")
     if not source.exists():
         raise DatasetError(f"{source}: there is no such data set")
-    kind = "lerobot" if source.is_dir() else "robosuite-hdf5"
-    config = read_settings(DemonstratorConfig, {"type": kind, "path": str(source)})
+    config = _demonstrator_of(source)
     settings = experiment.config
     idm, parser = experiment.idm.load(), settings.parser
     parsed = [
@@ -68,6 +68,22 @@ def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstra
     ]
     _write(experiment, parsed, target)
     return parsed
+
+
+def _demonstrator_of(source: Path) -> DemonstratorConfig:
+    """Return settings of the registered demonstrator that reads a source.
+
+    Raises:
+        DatasetError: If none does.
+    """
+    registrations = load_plugins().registry.registrations("demonstrator")
+    for entry in registrations:
+        if issubclass(entry.config_class, DemonstratorConfig) and entry.config_class.reads(source):
+            return read_settings(DemonstratorConfig, {"type": entry.name, "path": str(source)})
+    raise DatasetError(
+        f"{source}: nothing that is installed reads it: it must be a LeRobot data set's folder, or "
+        f"a file for one of {', '.join(entry.name for entry in registrations)}"
+    )
 
 
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:

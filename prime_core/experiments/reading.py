@@ -141,7 +141,7 @@ def _load_yaml(text: str, source: str) -> Any:
 def dump_experiment(config: ExperimentConfig) -> str:
     """Return an experiment as YAML, all defaults written out, those of variants' changes too."""
     data = config.model_dump(mode="json")
-    for name, variant in config.resolved_variants().items():
+    for name, variant in config.resolved_variants.items():
         resolved = variant.model_dump(mode="json", exclude={"variants"})
         data["variants"][name] = {key: new for key, new in resolved.items() if new != data[key]}
     return yaml.safe_dump(data, sort_keys=False)

@@ -1,6 +1,7 @@
 """The schema of an experiment."""
 
 import re
+from functools import cached_property
 from typing import Any, Self
 
 from pydantic import Field, TypeAdapter, field_validator, model_validator
@@ -88,11 +89,12 @@ class ExperimentConfig(Config):
 
     @model_validator(mode="after")
     def _variants_are_experiments(self) -> Self:
-        self.resolved_variants()
+        _ = self.resolved_variants
         return self
 
+    @cached_property
     def resolved_variants(self) -> dict[str, "ExperimentConfig"]:
-        """Return the experiments that the variants are, by their names.
+        """The experiments that the variants are, by their names.
 
         Raises:
             pydantic.ValidationError: If one is wrong; its place begins with ``variants``.

@@ -16,14 +16,13 @@ from prime_core.contracts.observations import Observations
 from prime_core.contracts.training import CallData, Labels
 from prime_core.learning.training_pairs import balanced_weights
 
+TYPE_FRAMES, PARAMETER_FRAMES = 50, 100
+"""Frames of a segment at most that the two networks learn from (paper's release)."""
+
 
 class AugmentationConfig(Config):
     """Settings of the stepwise augmentation (paper, section III-C)."""
 
-    type_frames: int = Field(50, ge=1)
-    """Frames of a segment at most that the type network learns from."""
-    parameter_frames: int = Field(100, ge=1)
-    """Frames of a segment at most that the parameter network learns from."""
     parameter_share: float = Field(0.3, gt=0, le=1)
     """Share of a segment, from its start, whose frames the parameter network learns from. Later on
     the gripper has turned to where it will be: who learns from that leaves it as it is. In the
@@ -71,10 +70,10 @@ def augmented_calls(
                 continue
             label = space.names.index(segment.call.primitive)
             last = max(segment.start + 1, segment.end - config.type_margin)
-            chosen = _draw(segment.start, last, config.type_frames, generator)
+            chosen = _draw(segment.start, last, TYPE_FRAMES, generator)
             types.add(chosen + offset, label, 1.0 / len(chosen))
             last = segment.start + max(1, round(config.parameter_share * segment.steps))
-            chosen = _draw(segment.start, last, config.parameter_frames, generator)
+            chosen = _draw(segment.start, last, PARAMETER_FRAMES, generator)
             values.add(chosen + offset, label, 1.0)
             pairs = np.stack((chosen, np.full_like(chosen, segment.end)), axis=1)
             parameters.append(idm.parameters(features, pairs, np.full_like(chosen, label))[0])

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from prime_core.collection.draws import Draws
-from prime_core.collection.episode import collect_episode
+from prime_core.collection.episode import Collector
 from prime_core.collection.recording import CollectedEpisode
 from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import ConfigDump
@@ -51,11 +51,9 @@ class Collection(Stage):
             episodes = []
             draws = Draws.none(len(space.names))
             for number in config.shard_episodes(int(item)):
-                world = worlds[number % len(worlds)]
+                collector = Collector(worlds[number % len(worlds)], config)
                 generator = generator_of(Stream.COLLECTION, self.seed, number)
-                episode, counted = collect_episode(
-                    world.environment, world.primitives, space, config, generator
-                )
+                episode, counted = collector.collect(generator)
                 episodes.append(_kept(episode))
                 draws.counts += counted.counts
             yield {

@@ -14,6 +14,9 @@ from prime_core.learning.training_pairs import PairConfig, training_pairs
 from prime_core.registry.fields import read_settings
 from prime_core.seeds import Stream, generator_of
 
+HELD_OUT_SHARE = 0.1
+"""Share of episodes, the last ones, that the IDM is tested on and does not see in training."""
+
 
 class IdmTraining(Stage):
     """An IDM, trained on the collected rollouts."""
@@ -44,7 +47,7 @@ class IdmTraining(Stage):
             pairs = PairConfig.model_validate(self.pairs)
             generator = generator_of(Stream.IDM, self.seed)
             count = self.collection.config.episodes
-            cut = max(1, count - round(count * pairs.held_out_share))
+            cut = max(1, count - round(count * HELD_OUT_SHARE))
             table = RolloutTable(self.collection.episodes(end=cut), pairs.around)
             data = training_pairs(table, space, pairs, generator)
             context = TrainingContext(

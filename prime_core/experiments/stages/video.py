@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.scene import Scene
+from prime_core.errors import PrimeError
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.trial import run_trial
 from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
@@ -15,9 +16,6 @@ from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraini
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.reporting.video import write_video
 from prime_core.seeds import Stream, generator_of
-
-CAMERA = "agentview"
-
 
 SIZE = 256
 """Height and width of the picture in pixels; software rendering makes larger ones slow."""
@@ -42,6 +40,9 @@ class Video(Stage):
         """Film an episode."""
         for item in items:
             world = self.training.build_world()
+            camera = world.environment.default_camera
+            if camera is None:
+                raise PrimeError("the environment has no camera that shows the whole scene")
             seed = self.training.items()[0]
             path = self.training.checkpoints(seed)[-1]
             runner = RunnerConfig.model_validate(self.runner)
@@ -49,7 +50,7 @@ class Video(Stage):
             pictures: list[NDArray[np.uint8]] = []
 
             def film(_: Scene, pictures: list[NDArray[np.uint8]] = pictures) -> None:
-                pictures.append(world.environment.render_camera(CAMERA, SIZE, SIZE))  # noqa: B023
+                pictures.append(world.environment.render_camera(camera, SIZE, SIZE))  # noqa: B023
 
             trial = run_trial(
                 world.environment,
