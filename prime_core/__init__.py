@@ -5,7 +5,42 @@ What plugins need is here; everything is imported when it is first used, so that
 """
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from prime_core.configuration import Config as Config
+    from prime_core.contracts.calls import Parameter as Parameter
+    from prime_core.contracts.calls import ParameterSpace as ParameterSpace
+    from prime_core.contracts.calls import PrimitiveCall as PrimitiveCall
+    from prime_core.contracts.calls import PrimitiveSpace as PrimitiveSpace
+    from prime_core.contracts.demonstration import Demonstration as Demonstration
+    from prime_core.contracts.demonstration import DemonstratorConfig as DemonstratorConfig
+    from prime_core.contracts.demonstration import Segment as Segment
+    from prime_core.contracts.description import Affordance as Affordance
+    from prime_core.contracts.description import ObjectDescription as ObjectDescription
+    from prime_core.contracts.description import RobotDescription as RobotDescription
+    from prime_core.contracts.description import SceneDescription as SceneDescription
+    from prime_core.contracts.environment import Environment as Environment
+    from prime_core.contracts.environment import EnvironmentConfig as EnvironmentConfig
+    from prime_core.contracts.idm import IdmConfig as IdmConfig
+    from prime_core.contracts.idm import InverseDynamicsModel as InverseDynamicsModel
+    from prime_core.contracts.observations import Observations as Observations
+    from prime_core.contracts.parser import Parser as Parser
+    from prime_core.contracts.parser import ParserConfig as ParserConfig
+    from prime_core.contracts.policy import MotorPolicy as MotorPolicy
+    from prime_core.contracts.policy import MotorPolicyConfig as MotorPolicyConfig
+    from prime_core.contracts.policy import PrimitivePolicy as PrimitivePolicy
+    from prime_core.contracts.policy import PrimitivePolicyConfig as PrimitivePolicyConfig
+    from prime_core.contracts.primitive import Primitive as Primitive
+    from prime_core.contracts.primitive import PrimitiveConfig as PrimitiveConfig
+    from prime_core.contracts.scene import ObjectPoses as ObjectPoses
+    from prime_core.contracts.scene import Scene as Scene
+    from prime_core.contracts.training import CallData as CallData
+    from prime_core.contracts.training import Labels as Labels
+    from prime_core.contracts.training import ModelContext as ModelContext
+    from prime_core.contracts.training import TrainingContext as TrainingContext
+    from prime_core.errors import PrimeError as PrimeError
+    from prime_core.hookspecs import hookimpl as hookimpl
 
 _MODULES = {
     "Affordance": "contracts.description",

@@ -68,7 +68,7 @@ def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> di
         if summary is not None:
             found[name] = summary
         if summary is not None and isinstance(stage, Evaluation):
-            text = json.dumps(stage.trials())
+            text = json.dumps({"runner": stage.settings.get("runner"), **stage.trials()})
             path = experiment.folder / f"{trials}{name.removeprefix('evaluation.')}.json"
             write_if_changed(path, text)
     return found
