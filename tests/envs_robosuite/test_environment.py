@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from prime_core.contracts.observations import IMAGE_PREFIX
+from prime_core.contracts.observations import IMAGE_PREFIX, Observations
+from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
@@ -65,7 +66,7 @@ def test_observations_are_the_scene_in_the_declared_layout(
         scene = environment.scene()
         for key, value in scene.observation().items():
             np.testing.assert_array_equal(observation[key], value)
-        read = environment.description.scene(observation)
+        read = Scene.read(environment.description, Observations.single(observation))
         np.testing.assert_allclose(read.gripper_position, scene.gripper_position, atol=1e-6)
         np.testing.assert_allclose(read.object_positions, scene.object_positions, atol=1e-6)
         assert read.gripper_opening == pytest.approx(scene.gripper_opening, abs=1e-6)

@@ -67,13 +67,13 @@ def test_what_people_recorded_comes_in(path: Path, name: str, count: int) -> Non
         pytest.skip(f"{path} is not there: it is not part of the project")
     source = RobosuiteHdf5Config(path=path, episodes=(name,))
     shown = source.demonstrate(LiftConfig(), 0, 0)
-    assert len(shown.frames) == count
+    assert len(shown.observations) == count
     assert shown.task == "lift the cube"
-    cube = shown.frames.environment_state
+    cube = shown.observations.environment_state
     assert not cube[0, 7] and np.all(cube[-5:, 7])
     assert cube[-1, 2] > 0.84
     assert np.all(np.abs(shown.actions) <= ACTION_LIMIT.astype(np.float32))
-    moved = np.diff(shown.frames.state[:, :3], axis=0)
+    moved = np.diff(shown.observations.state[:, :3], axis=0)
     for axis in (0, 2):
         # What was commanded is what happened, in the same frame and of the same sign.
         assert np.corrcoef(shown.actions[:-1, axis], moved[:, axis])[0, 1] > 0.7
@@ -90,7 +90,7 @@ def test_restored_states_are_the_frames(
     for frame in (0, 100, count - 1):
         lift.set_state(shown.simulator_states[frame])
         state = lift.scene().observation()["observation.state"]
-        assert np.array_equal(state, shown.frames.state[frame])
+        assert np.array_equal(state, shown.observations.state[frame])
 
 
 def test_demonstrations_are_counted_in_the_order_of_their_numbers(tmp_path: Path) -> None:
@@ -109,15 +109,17 @@ def test_a_recorded_lift_comes_back(tmp_path: Path, lift: RobosuiteEnvironment) 
     actions = np.zeros((len(states), 7))
     path = write(tmp_path / "a.hdf5", demo_1={"states": states, "actions": actions})
     again = RobosuiteHdf5Config(path=path).demonstrate(LiftConfig(), 0, 0)
-    assert np.allclose(again.frames.state, shown.frames.state[100:], atol=1e-6)
-    assert np.array_equal(again.frames.environment_state, shown.frames.environment_state[100:])
+    assert np.allclose(again.observations.state, shown.observations.state[100:], atol=1e-6)
+    assert np.array_equal(
+        again.observations.environment_state, shown.observations.environment_state[100:]
+    )
 
 
 def test_only_the_object_to_move_is_taken_from_pick_place(
     tmp_path: Path, milk: RobosuiteEnvironment
 ) -> None:
     shown = SimulatedTeleoperatorConfig().demonstrate(PickPlaceConfig(), 0, 1)
-    first = len(shown.frames) - 5
+    first = len(shown.observations) - 5
     positions, velocities = joint_states(milk, shown, first)
     others, still = np.full((5, 21), 10.0), np.zeros((5, 18))
     states = np.hstack((np.zeros((5, 1)), positions, others, velocities, still))
@@ -125,7 +127,9 @@ def test_only_the_object_to_move_is_taken_from_pick_place(
         tmp_path / "a.hdf5", "PickPlaceMilk", demo_1={"states": states, "actions": np.zeros((5, 7))}
     )
     again = RobosuiteHdf5Config(path=path).demonstrate(PickPlaceConfig(), 0, 0)
-    assert np.allclose(again.frames.environment_state, shown.frames.environment_state[first:])
+    assert np.allclose(
+        again.observations.environment_state, shown.observations.environment_state[first:]
+    )
 
 
 def test_actions_are_clipped_before_they_are_scaled() -> None:

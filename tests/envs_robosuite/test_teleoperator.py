@@ -40,15 +40,15 @@ def all_shown(
 
 
 def gripper_path(shown: Demonstration) -> NDArray[np.float64]:
-    return shown.frames.state[:, :3].astype(np.float64)
+    return shown.observations.state[:, :3].astype(np.float64)
 
 
 def object_path(shown: Demonstration) -> NDArray[np.float64]:
-    return shown.frames.environment_state[:, :3].astype(np.float64)
+    return shown.observations.environment_state[:, :3].astype(np.float64)
 
 
 def held(shown: Demonstration) -> NDArray[np.bool_]:
-    return np.asarray(shown.frames.environment_state[:, 7] > 0.5)
+    return np.asarray(shown.observations.environment_state[:, 7] > 0.5)
 
 
 def closings(shown: Demonstration) -> int:
@@ -62,9 +62,9 @@ def states(shown: Demonstration) -> NDArray[np.float64]:
 
 def test_the_arrays_fit_each_other(all_shown: list[Demonstration]) -> None:
     for shown in all_shown:
-        assert shown.actions.shape == (len(shown.frames), 5)
+        assert shown.actions.shape == (len(shown.observations), 5)
         assert shown.actions.dtype == np.float32
-        assert len(states(shown)) == len(shown.frames)
+        assert len(states(shown)) == len(shown.observations)
         assert states(shown).dtype == np.float64
         assert 150 <= shown.steps <= 500
 
@@ -85,7 +85,7 @@ def test_pick_place_ends_let_go_of(
         assert milk.is_success()
         assert milk.scene().held is None
         assert shown.actions[-1, 4] == -1.0
-        assert shown.frames.state[-1, 7] > 0.06
+        assert shown.observations.state[-1, 7] > 0.06
         assert np.linalg.norm(gripper_path(shown)[-1] - object_path(shown)[-1]) > 0.08
 
 
@@ -106,7 +106,7 @@ def test_a_nut_ends_around_its_peg_let_go_of(kind: Literal["round", "square"]) -
         assert shown.task == f"put the {kind} nut around its peg"
         environment.set_state(states(shown)[-1])
         assert environment.is_success()
-        assert shown.frames.state[-1, 7] > 0.06
+        assert shown.observations.state[-1, 7] > 0.06
         assert np.ptp(object_path(shown)[-5:], axis=0).max() < 1e-3
     environment.close()
 
@@ -133,7 +133,7 @@ def test_seed_and_index_decide_to_the_bit(milk_shown: list[Demonstration]) -> No
     again = PEOPLE.demonstrate(PickPlaceConfig(), 1, SEED)
     assert np.array_equal(states(again), states(milk_shown[1]))
     assert np.array_equal(again.actions, milk_shown[1].actions)
-    assert np.array_equal(again.frames.state, milk_shown[1].frames.state)
+    assert np.array_equal(again.observations.state, milk_shown[1].observations.state)
 
 
 def test_cameras_and_horizon_do_not_matter(lift_shown: list[Demonstration]) -> None:
@@ -214,7 +214,7 @@ def test_nobody_grips_a_box_by_its_edge_because_a_bin_is_in_the_way() -> None:
     path = Path(__file__).parents[2] / "experiments" / "tidy_up.yaml"
     people = read_experiment(path).demonstrations
     for index in range(3):
-        frames = people.demonstrate(TidyUpConfig(), index, 0).frames
+        frames = people.demonstrate(TidyUpConfig(), index, 0).observations
         objects = frames.environment_state.reshape(len(frames), -1, 8)
         for box in (0, 1):
             first = int(np.argmax(objects[:, box, 7] > 0.5))
@@ -228,7 +228,7 @@ def test_either_small_box_may_be_taken_first_if_they_lie_apart(share: float) -> 
     people = experiment.demonstrations.model_copy(update={"other_order_share": share})
     apart = []
     for index in range(3):
-        frames = people.demonstrate(TidyUpConfig(), index, 0).frames
+        frames = people.demonstrate(TidyUpConfig(), index, 0).observations
         boxes = frames.environment_state.reshape(len(frames), -1, 8)[:, :2]
         first = (boxes[:, :, 7] > 0.5).argmax(axis=0)
         apart.append(float(np.linalg.norm(np.diff(boxes[0, :, :2], axis=0))) > 0.1)

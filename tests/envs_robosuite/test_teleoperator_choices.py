@@ -84,8 +84,8 @@ def test_people_who_look_again_are_nearer_when_they_grip() -> None:
         for index in range(4):
             shown = people.demonstrate(LiftConfig(), index, 0)
             closing = int(np.flatnonzero(shown.actions[:, 4] > 0)[0])
-            cube = shown.frames.environment_state[closing, :2]
-            found.append(float(np.linalg.norm(shown.frames.state[closing, :2] - cube)))
+            cube = shown.observations.environment_state[closing, :2]
+            found.append(float(np.linalg.norm(shown.observations.state[closing, :2] - cube)))
         return found
 
     assert np.mean(misses(0.004)) < np.mean(misses(None))

@@ -8,8 +8,7 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.policy import MotorPolicy
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.execution.trial import Trial, run_trial
-from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
-from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
+from prime_core.experiments.stages.motor_policy import AnyPolicyTraining
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.seeds import Stream, generator_of
 
@@ -26,7 +25,7 @@ class Evaluation(Stage):
     title: ClassVar[str] = "evaluation"
     unit: ClassVar[str] = "batches of trials"
 
-    training: PrimitivePolicyTraining | MotorPolicyTraining
+    training: AnyPolicyTraining
     settings: ConfigDump
 
     @property

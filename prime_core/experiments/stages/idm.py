@@ -8,7 +8,7 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.training import TrainingContext
 from prime_core.experiments.stages.collection import Collection
-from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Result, Stage
 from prime_core.learning.idm_report import report_on
 from prime_core.learning.training_pairs import PairConfig, training_pairs
 from prime_core.registry.fields import read_settings
@@ -29,6 +29,7 @@ class IdmTraining(Stage):
     idm: ConfigDump
     seed: int
     device: str = "auto"
+    _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = DEVICE_IS_NO_IDENTITY
 
     @property
     def config(self) -> IdmConfig:

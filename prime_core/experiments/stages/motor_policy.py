@@ -2,12 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
 from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.stage import Result
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
@@ -20,6 +24,7 @@ class MotorPolicyTraining(PolicyTraining):
     anew.
     """
 
+    kind: Literal["motor actions"] = "motor actions"
     demonstrations: Demonstrations
 
     @property
@@ -42,3 +47,9 @@ class MotorPolicyTraining(PolicyTraining):
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
         """Load a checkpoint; it makes no calls, so that the runner's settings mean nothing."""
         return self.config.load(checkpoint, world.context(self.device))
+
+
+AnyPolicyTraining = Annotated[
+    PrimitivePolicyTraining | MotorPolicyTraining, Field(discriminator="kind")
+]
+"""What evaluations and videos take; exca tells the two apart by their kind."""

@@ -9,7 +9,7 @@ from prime_core.contracts.policy import MotorPolicy, PolicyConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
-from prime_core.experiments.stages.stage import Stage
+from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Stage
 
 
 class PolicyTraining(Stage):
@@ -21,6 +21,7 @@ class PolicyTraining(Stage):
     policy: ConfigDump
     seeds: tuple[int, ...]
     device: str = "auto"
+    _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = DEVICE_IS_NO_IDENTITY
 
     @property
     @abstractmethod

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Literal
 
 from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import ConfigDump
@@ -22,6 +23,7 @@ from prime_core.seeds import Stream, generator_of
 class PrimitivePolicyTraining(PolicyTraining):
     """Policies over primitives, trained on rollouts and on parsed demonstrations."""
 
+    kind: Literal["primitives"] = "primitives"
     parsing: Parsing
     augmentation: ConfigDump
 

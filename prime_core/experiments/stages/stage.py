@@ -26,6 +26,9 @@ Result = dict[str, Any]
 """What an item gives: arrays, numbers, text, and lists and mappings of them."""
 
 
+DEVICE_IS_NO_IDENTITY = ("device",)
+"""Value of exca's ``_exclude_from_cls_uid``: a stage is the same wherever its networks compute."""
+
 TIMING = "timing"
 """Key of an item's seconds and peak memory, beside what it gives."""
 
@@ -40,7 +43,6 @@ class Stage(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     infra: exca.MapInfra = exca.MapInfra()
-    _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = ("device",)
 
     title: ClassVar[str]
     """What the stage does, for people."""

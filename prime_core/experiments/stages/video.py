@@ -11,8 +11,7 @@ from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.trial import run_trial
-from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
-from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
+from prime_core.experiments.stages.motor_policy import AnyPolicyTraining
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.reporting.video import write_video
 from prime_core.seeds import Stream, generator_of
@@ -28,7 +27,7 @@ class Video(Stage):
     unit: ClassVar[str] = "episodes"
     optional: ClassVar[bool] = True
 
-    training: PrimitivePolicyTraining | MotorPolicyTraining
+    training: AnyPolicyTraining
     runner: ConfigDump
     maximum_steps: int
 

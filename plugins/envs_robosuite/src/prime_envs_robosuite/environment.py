@@ -15,7 +15,7 @@ from prime_core.contracts.environment import (
     Observation,
 )
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
-from prime_core.contracts.scene import Scene
+from prime_core.contracts.scene import ObjectPoses, Scene
 from prime_core.errors import PrimeError
 from prime_envs_robosuite.commands import controller_command
 from prime_envs_robosuite.rendering import Cameras
@@ -26,7 +26,7 @@ from prime_envs_robosuite.task import Task
 Array = NDArray[np.float64]
 # Closed fingers touch with both what they push; what they hold is thicker [m].
 CLOSED_OPENING = 0.005
-DEFAULT_PICTURE = ("agentview", 256, 256)
+PICTURE_SIZE = 256  # pixels
 
 
 class RobosuiteEnvironment(Environment):
@@ -43,6 +43,7 @@ class RobosuiteEnvironment(Environment):
         PrimeError: If a camera does not exist.
     """
 
+    default_camera = "agentview"
     metadata = {"render_modes": ["rgb_array"], "render_fps": CONTROL_FREQUENCY}  # noqa: RUF012
 
     def __init__(
@@ -67,6 +68,7 @@ class RobosuiteEnvironment(Environment):
         self.observation_space = self._observation_space()
         self._elapsed = 0
         self._scene: Scene | None = None
+        self._gripper_command: float | None = None  # the last one
         self._touched = False  # whether a finger touches an object in that scene
 
     def reset(
@@ -84,6 +86,7 @@ class RobosuiteEnvironment(Environment):
         super().reset(seed=seed)
         self._simulation.reset(self.np_random)
         self._elapsed = 0
+        self._gripper_command = None
         self._scene = None
         return self._observation(), {"is_success": self.is_success()}
 
@@ -107,6 +110,7 @@ class RobosuiteEnvironment(Environment):
         simulation = self._simulation
         command = controller_command(values, simulation.panda, simulation.data)
         simulation.stepper.step(command)
+        self._gripper_command = float(command[6])
         self._elapsed += 1
         self._moved()
         success = self.is_success()
@@ -142,6 +146,7 @@ class RobosuiteEnvironment(Environment):
             )
         self._simulation.set_state(values[:-1])
         self._elapsed = int(values[-1])
+        self._gripper_command = None
         self._scene = None
 
     def set_joint_state(
@@ -164,11 +169,12 @@ class RobosuiteEnvironment(Environment):
         """
         self._simulation.set_joint_state(positions, velocities, gripper_command)
         self._elapsed = 0
+        self._gripper_command = None
         self._scene = None
 
     def render(self) -> NDArray[np.uint8]:
         """Return a picture of the whole scene, ``(256, 256, 3)``."""
-        return self.render_camera(*DEFAULT_PICTURE)
+        return self.render_camera(self.default_camera, PICTURE_SIZE, PICTURE_SIZE)
 
     def render_camera(self, name: str, height: int, width: int) -> NDArray[np.uint8]:
         """Return a picture, ``(height, width, 3)``; see `Environment`."""
@@ -201,9 +207,8 @@ class RobosuiteEnvironment(Environment):
             gripper_quaternion=quaternion,
             gripper_opening=opening,
             joint_positions=data.qpos[panda.joint_addresses].copy(),
-            object_positions=positions,
-            object_quaternions=quaternions,
-            held=held[0] if held else None,
+            objects=ObjectPoses(positions, quaternions, held[0] if held else None),
+            gripper_command=self._gripper_command,
         )
 
     def _observation(self) -> Observation:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import EnvironmentConfig
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Frames
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Observations
 from prime_core.errors import PrimeError
 from prime_envs_robosuite.config import RobosuiteConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
@@ -78,7 +78,7 @@ class Recorder:
         hold[-1] = gripper
         self.add(hold)
         return Demonstration(
-            frames=Frames(np.stack(self._states), np.stack(self._object_states)),
+            observations=Observations(np.stack(self._states), np.stack(self._object_states)),
             actions=np.stack(self._actions),
             task=task,
             simulator_states=np.stack(self._simulator_states),

@@ -40,6 +40,11 @@ class RobosuiteHdf5Config(DemonstratorConfig):
     """Groups to take, such as ``[demo_1, demo_3]``; all by default, in the order of their
     numbers."""
 
+    @classmethod
+    def reads(cls, source: Path) -> bool:
+        """Whether it is a file by one of HDF5's usual endings."""
+        return source.is_file() and source.suffix in (".hdf5", ".h5")
+
     def count_available(self) -> int:
         """How many demonstrations the file has or the settings name."""
         with _open(self.path) as file:

@@ -52,6 +52,7 @@ def describe_robot(host: Any, model: Any) -> RobotDescription:
         hand_geoms=hand,
         furniture_geoms=furniture,
         joint_velocity_limits=VELOCITY_LIMITS,
+        name="panda",
     )
 
 

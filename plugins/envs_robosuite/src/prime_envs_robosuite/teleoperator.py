@@ -12,6 +12,7 @@ from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
+from prime_core.seeds import Stream, generator_of
 from prime_envs_robosuite.jobs import Job, in_opposite_order
 from prime_envs_robosuite.teleoperator_choices import are_apart
 from prime_envs_robosuite.teleoperator_motion import Style
@@ -114,7 +115,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
         built = build_for_recording(environment, NAME)
         try:
             for attempt in range(self.attempts):
-                generator = np.random.default_rng([seed, index, attempt])
+                generator = generator_of(Stream.DEMONSTRATIONS, seed, index, attempt)
                 shown = _show(built, self, generator)
                 if shown is not None:
                     return shown

@@ -8,9 +8,9 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from prime_core.features import FeatureEncoder
 from prime_policies.linear import MAXIMUM_ROWS, LinearFit, regress, thin
 from prime_policies.mixture import wrapped
+from prime_policies.scene_features import FeatureEncoder
 from prime_policies.threads import one_thread
 
 NEAR = 0.2  # standard deviations of an output: what is further from a line is far from it

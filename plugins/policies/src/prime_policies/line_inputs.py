@@ -6,7 +6,7 @@ from typing import Self
 import torch
 from torch import Tensor
 
-from prime_core.features import FeatureEncoder
+from prime_policies.scene_features import FeatureEncoder
 
 LEAST_MOVE = 0.01  # [m] far below it an object has not moved, and no direction is its own
 

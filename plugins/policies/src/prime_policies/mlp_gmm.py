@@ -4,10 +4,8 @@ from pathlib import Path
 
 from pydantic import Field
 
-from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
-from prime_core.contracts.training import PairData, Progress
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_policies.settings import NetworkSettings
 
 
@@ -19,24 +17,14 @@ class MlpGmmIdmConfig(IdmConfig, NetworkSettings):
     parameter_epochs: int = Field(12, ge=1)
     """Epochs of the mixture."""
 
-    def fit(
-        self,
-        data: PairData,
-        description: SceneDescription,
-        space: PrimitiveSpace,
-        folder: Path,
-        seed: int,
-        progress: Progress,
-    ) -> InverseDynamicsModel:
+    def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
         """Train both networks, one after the other."""
         from prime_policies.mlp_gmm_training import fit_idm
 
-        return fit_idm(self, data, description, space, folder, seed, progress)
+        return fit_idm(self, data, context)
 
-    def load(
-        self, folder: Path, description: SceneDescription, space: PrimitiveSpace
-    ) -> InverseDynamicsModel:
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
         """Load the two networks."""
         from prime_policies.mlp_gmm_training import load_idm
 
-        return load_idm(self, folder, description, space)
+        return load_idm(self, folder, context)

@@ -8,11 +8,11 @@ from prime_core.arrays import Floats, Indices
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.idm import InverseDynamicsModel
-from prime_core.contracts.observations import Frames
-from prime_core.features import FeatureEncoder, gripper_yaw
+from prime_core.contracts.observations import Observations
 from prime_policies.mixture import best_means, log_density
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
+from prime_policies.scene_features import FeatureEncoder, gripper_yaw
 from prime_policies.threads import one_thread
 
 BATCH = 2048  # pairs whose hidden layers stay in the cache of one core
@@ -40,10 +40,10 @@ class MlpGmmIdm(InverseDynamicsModel):
         self._codec = ParameterCodec(space)
         self._classifier, self._parameter_network = classifier, parameter_network
 
-    def encode(self, frames: Frames) -> NDArray[np.float32]:
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
         """Return the features of each frame and, last, the gripper's yaw [rad]."""
-        yaw = gripper_yaw(frames).astype(np.float32)
-        return np.hstack((self._encoder.encode(frames), yaw[:, None]))
+        yaw = gripper_yaw(seen).astype(np.float32)
+        return np.hstack((self._encoder.encode(seen), yaw[:, None]))
 
     @torch.inference_mode()
     def score(self, features: NDArray[np.float32], pairs: Indices) -> NDArray[np.float32]:

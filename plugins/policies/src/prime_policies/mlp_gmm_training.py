@@ -9,8 +9,7 @@ from torch import Tensor
 
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.training import PairData, Progress
-from prime_core.features import FeatureEncoder, gripper_yaw
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_policies import building, examples, preparing
 from prime_policies.examples import Source
 from prime_policies.line_inputs import LineInputs
@@ -19,6 +18,7 @@ from prime_policies.mlp_gmm import MlpGmmIdmConfig
 from prime_policies.mlp_gmm_model import MlpGmmIdm
 from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
+from prime_policies.scene_features import FeatureEncoder, gripper_yaw
 from prime_policies.training_folder import TrainingFolder
 from prime_policies.weights import Card, check_card, load_weights, make_card, write_card
 
@@ -29,24 +29,22 @@ PARAMETERS = "parameters"
 
 def fit_idm(
     config: MlpGmmIdmConfig,
-    data: PairData,
-    description: SceneDescription,
-    space: PrimitiveSpace,
-    folder: Path,
-    seed: int,
-    progress: Progress,
+    data: CallData,
+    context: TrainingContext,
 ) -> MlpGmmIdm:
     """Train the classifier, then the parameters; see `IdmConfig.fit`."""
+    description, space = context.description, context.space
+    folder, seed, progress = context.folder, context.seed, context.progress
     folder.mkdir(parents=True, exist_ok=True)
     card = _card(config, description, space)
     epochs = config.classifier_epochs + config.parameter_epochs
     trainings = TrainingFolder(folder, _identity(card, seed, data), seed, progress, epochs)
     encoder = FeatureEncoder(description)
-    features = torch.from_numpy(encoder.encode(data.frames))
+    features = torch.from_numpy(encoder.encode(data.observations))
     classifier, parameter_network = _build(config, encoder, space, seed)
 
     source = examples.classifier_source(
-        features, data.type_pairs, data.type_labels, data.type_weights
+        features, data.types.rows, data.types.classes, data.types.weights
     )
     preparing.measure_inputs(classifier.trunk, source)
     schedule = building.schedule(config, config.classifier_epochs)
@@ -66,10 +64,9 @@ def fit_idm(
     return MlpGmmIdm(description, space, classifier, parameter_network)
 
 
-def load_idm(
-    config: MlpGmmIdmConfig, folder: Path, description: SceneDescription, space: PrimitiveSpace
-) -> MlpGmmIdm:
+def load_idm(config: MlpGmmIdmConfig, folder: Path, context: ModelContext) -> MlpGmmIdm:
     """Load what `fit_idm` left in a folder."""
+    description, space = context.description, context.space
     check_card(folder, _card(config, description, space))
     encoder = FeatureEncoder(description)
     classifier, parameter_network = _build(config, encoder, space, seed=0)
@@ -92,12 +89,12 @@ def _build(
     return classifier, parameter_network
 
 
-def _parameter_source(features: torch.Tensor, data: PairData, space: PrimitiveSpace) -> Source:
+def _parameter_source(features: torch.Tensor, data: CallData, space: PrimitiveSpace) -> Source:
     # Angles are taken from where the gripper ends: that is where primitives bring it.
-    yaws = gripper_yaw(data.frames)[data.parameter_pairs[:, 1]]
-    targets = ParameterCodec(space).targets(data.parameters, data.parameter_labels, yaws)
+    yaws = gripper_yaw(data.observations)[data.parameters.rows[:, 1]]
+    targets = ParameterCodec(space).targets(data.values, data.parameters.classes, yaws)
     return examples.parameter_source(
-        features, data.parameter_pairs, data.parameter_labels, targets, data.parameter_weights
+        features, data.parameters.rows, data.parameters.classes, targets, data.parameters.weights
     )
 
 
@@ -113,9 +110,12 @@ def _card(config: MlpGmmIdmConfig, description: SceneDescription, space: Primiti
     return make_card(KIND, config.model_dump(mode="json"), description, space)
 
 
-def _identity(card: Card, seed: int, data: PairData) -> str:
-    arrays: list[NDArray[np.generic]] = [data.frames.state, data.frames.environment_state]
-    arrays += [data.type_pairs, data.type_labels, data.type_weights]
-    arrays += [data.parameter_pairs, data.parameter_labels]
-    arrays += [data.parameters, data.parameter_weights]
+def _identity(card: Card, seed: int, data: CallData) -> str:
+    arrays: list[NDArray[np.generic]] = [
+        data.observations.state,
+        data.observations.environment_state,
+    ]
+    arrays += [data.types.rows, data.types.classes, data.types.weights]
+    arrays += [data.parameters.rows, data.parameters.classes]
+    arrays += [data.values, data.parameters.weights]
     return examples.fingerprint(card, seed, arrays)

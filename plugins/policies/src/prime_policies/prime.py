@@ -5,14 +5,12 @@ from pathlib import Path
 
 from pydantic import Field
 
-from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.policy import Policy, PolicyConfig
-from prime_core.contracts.training import PolicyData, Progress
+from prime_core.contracts.policy import PrimitivePolicy, PrimitivePolicyConfig
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_policies.settings import NetworkSettings
 
 
-class PrimePolicyConfig(PolicyConfig, NetworkSettings):
+class PrimePolicyConfig(PrimitivePolicyConfig, NetworkSettings):
     """A classifier of the next primitive and a Gaussian mixture of its parameters.
 
     Both are pretrained on the rollouts, if asked, and then fine-tuned on the demonstrations.
@@ -38,26 +36,15 @@ class PrimePolicyConfig(PolicyConfig, NetworkSettings):
         return self.finetuning_epochs
 
     def fit(
-        self,
-        rollouts: PolicyData | None,
-        demonstrations: PolicyData,
-        description: SceneDescription,
-        space: PrimitiveSpace,
-        folder: Path,
-        seed: int,
-        progress: Progress,
+        self, rollouts: CallData | None, demonstrations: CallData, context: TrainingContext
     ) -> Sequence[Path]:
         """Train both networks, one after the other."""
         from prime_policies.prime_training import fit_policy
 
-        return fit_policy(
-            self, rollouts, demonstrations, description, space, folder, seed, progress
-        )
+        return fit_policy(self, rollouts, demonstrations, context)
 
-    def load(
-        self, checkpoint: Path, description: SceneDescription, space: PrimitiveSpace
-    ) -> Policy:
+    def load(self, checkpoint: Path, context: ModelContext) -> PrimitivePolicy:
         """Load the two networks of a checkpoint."""
         from prime_policies.prime_training import load_policy
 
-        return load_policy(self, checkpoint, description, space)
+        return load_policy(self, checkpoint, context)

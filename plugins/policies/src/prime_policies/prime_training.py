@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.training import PolicyData, Progress
-from prime_core.features import FeatureEncoder, gripper_yaw
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_policies import building, examples, preparing
 from prime_policies.copies import CopiedFeatures, fit_copies
 from prime_policies.examples import Source
@@ -22,6 +20,7 @@ from prime_policies.networks import Classifier, ParameterNetwork
 from prime_policies.parameter_codec import ParameterCodec
 from prime_policies.prime import PrimePolicyConfig
 from prime_policies.prime_model import PrimePolicy
+from prime_policies.scene_features import FeatureEncoder, gripper_yaw
 from prime_policies.training import Schedule
 from prime_policies.training_folder import TrainingFolder
 from prime_policies.weights import (
@@ -39,15 +38,13 @@ PARAMETERS = "parameters"
 
 def fit_policy(
     config: PrimePolicyConfig,
-    rollouts: PolicyData | None,
-    demonstrations: PolicyData,
-    description: SceneDescription,
-    space: PrimitiveSpace,
-    folder: Path,
-    seed: int,
-    progress: Progress,
+    rollouts: CallData | None,
+    demonstrations: CallData,
+    context: TrainingContext,
 ) -> list[Path]:
     """Train the classifier, then the parameters; see `PolicyConfig.fit`."""
+    description, space = context.description, context.space
+    folder, seed, progress = context.folder, context.seed, context.progress
     folder.mkdir(parents=True, exist_ok=True)
     card = make_card(KIND, config.model_dump(mode="json"), description, space)
     explored = [rollouts] if config.pretrain and rollouts is not None else []
@@ -57,7 +54,7 @@ def fit_policy(
     trainings = TrainingFolder(folder, identity, seed, progress, epochs)
     trainer = _PolicyTrainer(config, trainings, pretrained)
     encoder = FeatureEncoder(description)
-    features = [torch.from_numpy(encoder.encode(part.frames)) for part in data]
+    features = [torch.from_numpy(encoder.encode(part.observations)) for part in data]
     classifier, parameter_network = _build(config, encoder, space, seed)
 
     pairs = list(zip(data, features, strict=True))
@@ -85,10 +82,10 @@ def fit_policy(
 def load_policy(
     config: PrimePolicyConfig,
     checkpoint: Path,
-    description: SceneDescription,
-    space: PrimitiveSpace,
+    context: ModelContext,
 ) -> PrimePolicy:
     """Load a checkpoint that `fit_policy` left."""
+    description, space = context.description, context.space
     check_card(checkpoint, make_card(KIND, config.model_dump(mode="json"), description, space))
     encoder = FeatureEncoder(description)
     classifier, parameter_network = _build(config, encoder, space, seed=0)
@@ -178,17 +175,21 @@ def _build(
     return classifier, parameter_network
 
 
-def _type_source(data: PolicyData, features: Tensor) -> Source:
+def _type_source(data: CallData, features: Tensor) -> Source:
     return examples.classifier_source(
-        features, data.type_frames, data.type_labels, data.type_weights
+        features, data.types.rows, data.types.classes, data.types.weights
     )
 
 
-def _parameter_source(data: PolicyData, features: Tensor, space: PrimitiveSpace) -> Source:
-    yaws = gripper_yaw(data.frames)[data.parameter_frames]
-    targets = ParameterCodec(space).targets(data.parameters, data.parameter_labels, yaws)
+def _parameter_source(data: CallData, features: Tensor, space: PrimitiveSpace) -> Source:
+    yaws = gripper_yaw(data.observations)[data.parameters.rows[:, 0]]
+    targets = ParameterCodec(space).targets(data.values, data.parameters.classes, yaws)
     return examples.parameter_source(
-        features, data.parameter_frames, data.parameter_labels, targets, data.parameter_weights
+        features,
+        data.parameters.rows[:, 0],
+        data.parameters.classes,
+        targets,
+        data.parameters.weights,
     )
 
 
@@ -215,7 +216,10 @@ def _all_of(sources: list[Source]) -> Source:
     )
 
 
-def _arrays(data: PolicyData) -> list[NDArray[np.generic]]:
-    arrays: list[NDArray[np.generic]] = [data.frames.state, data.frames.environment_state]
-    arrays += [data.type_frames, data.type_labels, data.type_weights, data.parameter_frames]
-    return [*arrays, data.parameter_labels, data.parameters, data.parameter_weights]
+def _arrays(data: CallData) -> list[NDArray[np.generic]]:
+    arrays: list[NDArray[np.generic]] = [
+        data.observations.state,
+        data.observations.environment_state,
+    ]
+    arrays += [data.types.rows, data.types.classes, data.types.weights, data.parameters.rows[:, 0]]
+    return [*arrays, data.parameters.classes, data.values, data.parameters.weights]

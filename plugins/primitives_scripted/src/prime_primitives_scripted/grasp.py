@@ -40,9 +40,9 @@ class Grasp(ScriptedPrimitive):
         self._closing_steps = config.closing_steps
         self.maximum_steps += config.closing_steps
 
-    def suits(self, held: str | None) -> bool:
+    def suits(self, holding: bool) -> bool:
         """Only with nothing held."""
-        return held is None
+        return not holding
 
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
         """Return the centres for grasping."""

@@ -55,9 +55,9 @@ class Place(ScriptedPrimitive):
         self._opening_steps = config.opening_steps
         self.maximum_steps += config.opening_steps
 
-    def suits(self, held: str | None) -> bool:
+    def suits(self, holding: bool) -> bool:
         """Only with something held."""
-        return held is not None
+        return holding
 
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
         """Return the centres for placing, but for those that go with what is held."""

@@ -71,9 +71,9 @@ class Push(ScriptedPrimitive):
         self.parameter_space = ParameterSpace((*self._pose_space.parameters, *displacement))
         self.maximum_steps += config.pushing_steps
 
-    def suits(self, held: str | None) -> bool:
+    def suits(self, holding: bool) -> bool:
         """Only with nothing held."""
-        return held is None
+        return not holding
 
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
         """Return where pushes may start."""

@@ -39,7 +39,7 @@ class Reach(ScriptedPrimitive):
         super().__init__(config, description)
         self._closed_below = config.closed_below
 
-    def suits(self, held: str | None) -> bool:
+    def suits(self, holding: bool) -> bool:
         """It makes sense anywhere."""
         return True
 
@@ -60,7 +60,7 @@ class Reach(ScriptedPrimitive):
 
     def motion(self, scene: Scene, parameters: Array) -> Motion:
         """Return the motion that starts in a scene; see `Primitive`."""
-        closed = scene.held is not None or scene.gripper_opening < self._closed_below
+        closed = scene.holding or scene.gripper_opening < self._closed_below
         goal = self._goal(scene, parameters)
         mover = Mover(self._servo, CLOSE if closed else OPEN)
         yield from self._approach(scene, goal, mover)

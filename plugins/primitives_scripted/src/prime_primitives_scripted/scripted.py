@@ -60,12 +60,12 @@ class ScriptedPrimitive(Primitive):
         self._servo = make_servo(description, config.inverse_kinematics)
 
     @abstractmethod
-    def suits(self, held: str | None) -> bool:
-        """Whether it makes sense with that object held, or with none."""
+    def suits(self, holding: bool) -> bool:
+        """Whether it makes sense with something held, or with nothing."""
 
     def can_start(self, scene: Scene) -> bool:
         """Whether it suits what is held, and the arm is not locked; see `Primitive`."""
-        return self.suits(scene.held) and not self._servo.is_stuck(scene)
+        return self.suits(scene.holding) and not self._servo.is_stuck(scene)
 
     @abstractmethod
     def affordances(self, scene: Scene) -> Sequence[Affordance]:
