@@ -2,8 +2,8 @@
 
     python benchmarks/grasp_descents.py --descents 200
 
-Grasps drawn from the prior, from resets and from far poses before, in every task; only the way to the goal and the first
-closing step count, whether or not something is then held.
+Grasps drawn from the prior, from resets and from far poses before, in every task: from the highest
+point of the way on, whether or not something is then held.
 """
 
 from __future__ import annotations
@@ -57,8 +57,9 @@ def row(task: str, descents: int) -> str:
         if not closing.size:
             continue
         first = int(closing[0])
-        heights = [item.gripper_position[2] for item in execution.scenes[: first + 1]]
-        below.append(max(0.0, parameters[2] - min(heights)) * 1e3)
+        heights = np.array([item.gripper_position[2] for item in execution.scenes[: first + 1]])
+        descent = heights[int(heights.argmax()) :]
+        below.append(max(0.0, parameters[2] - descent.min()) * 1e3)
         here, before = (execution.scenes[index].gripper_position for index in (first, first - 1))
         speeds.append(float(np.linalg.norm(here - before)) * 20 * 1e3)
         steps.append(execution.steps)

@@ -6,6 +6,7 @@ import numpy as np
 
 from prime_core.arrays import Array
 from prime_core.collection.draws import Draws
+from prime_core.collection.late_ends import draw_late_ends
 from prime_core.collection.other_pairs import draw_other_pairs
 from prime_core.collection.recording import CollectedEpisode, EpisodeRecording
 from prime_core.collection.settings import CollectionConfig
@@ -51,7 +52,8 @@ class Collector:
             if not self._try_primitive(recording, draws, generator):
                 break
         others = draw_other_pairs(len(recording.scenes), recording.rollouts, self.config, generator)
-        return recording.finish(self.world.space.width, others), draws
+        late_ends = draw_late_ends(recording.scenes, recording.rollouts, generator)
+        return recording.finish(self.world.space.width, others, late_ends), draws
 
     def _act_randomly(self, recording: EpisodeRecording, generator: np.random.Generator) -> None:
         """Run random motor actions; undo them where no primitive can start any more.

@@ -23,6 +23,8 @@ class CollectedEpisode:
         rollouts: Start frame, end frame and primitive of each that succeeded, ``(n, 3)``.
         parameters: Of each rollout, padded with zeros, ``(n, width)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
+        late_ends: For each rollout a later frame that tells its parameters too, or its end,
+            ``(n,)``.
     """
 
     state: NDArray[np.float32]
@@ -31,6 +33,7 @@ class CollectedEpisode:
     rollouts: NDArray[np.int64]
     parameters: NDArray[np.float64]
     others: NDArray[np.int64]
+    late_ends: NDArray[np.int64]
 
 
 class EpisodeRecording:
@@ -73,12 +76,15 @@ class EpisodeRecording:
         """The motor action before, ``(5,)``; None at the start."""
         return self._actions[-1] if self._actions else None
 
-    def finish(self, width: int, others: NDArray[np.int64]) -> CollectedEpisode:
+    def finish(
+        self, width: int, others: NDArray[np.int64], late_ends: NDArray[np.int64]
+    ) -> CollectedEpisode:
         """Return the episode.
 
         Args:
             width: Of the longest parameter vector.
             others: Start and end frame of pairs of `other`, ``(k, 2)``.
+            late_ends: Of each rollout, ``(n,)``.
         """
         observations = [scene.observation() for scene in self.scenes]
         parameters = np.zeros((len(self._parameters), width))
@@ -94,4 +100,5 @@ class EpisodeRecording:
             rollouts=np.array(self.rollouts, dtype=np.int64).reshape(-1, 3),
             parameters=parameters,
             others=others,
+            late_ends=late_ends,
         )

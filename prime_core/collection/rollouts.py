@@ -21,6 +21,7 @@ class RolloutTable:
         rollouts: Start frame, end frame and primitive of each rollout, ``(n, 3)``.
         parameters: Of each rollout, ``(n, width)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
+        late_ends: For each rollout a later frame that tells its parameters too, or its end, ``(n,)``.
         last: The last frame.
 
     Args:
@@ -35,6 +36,7 @@ class RolloutTable:
         rollouts: list[Indices] = []
         parameters: list[Floats] = []
         others: list[Indices] = []
+        late_ends: list[Indices] = []
         for item in episodes:
             kept = _learnt_from(item, around)
             starts.append(first)
@@ -43,11 +45,13 @@ class RolloutTable:
             rollouts.append(item.rollouts + np.array([first, first, 0]))
             parameters.append(item.parameters)
             others.append(item.others + first)
+            late_ends.append(item.late_ends + first)
             first += len(item.state)
         self.observations = Observations.join(seen)
         self.rollouts = np.concatenate(rollouts)
         self.parameters = np.concatenate(parameters)
         self.others = np.concatenate(others)
+        self.late_ends = np.concatenate(late_ends)
         self._starts, self._numbers = np.array(starts), np.concatenate(numbers)
         self.last = first - 1
 
@@ -71,6 +75,6 @@ class RolloutTable:
 def _learnt_from(episode: CollectedEpisode, around: int) -> Indices:
     """Return the frames of an episode that pairs begin or end at, in order."""
     ends = episode.rollouts[:, :2].reshape(-1, 1) + np.arange(-around, around + 1)
-    used = np.concatenate((ends.ravel(), episode.others.ravel()))
+    used = np.concatenate((ends.ravel(), episode.others.ravel(), episode.late_ends))
     kept: Indices = np.unique(np.clip(used, 0, len(episode.state) - 1))
     return kept

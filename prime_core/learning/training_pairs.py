@@ -23,6 +23,10 @@ class PairConfig(Config):
     """How often; the paper's release does it once. Here primitives end within a millimetre of
     their parameters, and with jitter the median error is greater."""
 
+    late_ends: bool = True
+    """Whether the parameters of rollouts that moved an object and let it lie are also learnt from
+    pairs that end later, when the hand has moved on."""
+
     @property
     def around(self) -> int:
         """Frames on either side of the ends of rollouts that jitter may move them to."""
@@ -49,13 +53,19 @@ def training_pairs(
     type_labels = np.concatenate((labels, np.full(len(others), len(space.names))))
     copies = [pairs, *(_jittered(table, config, generator) for _ in range(config.jittered_copies))]
     parameter_labels = np.tile(labels, len(copies))
+    values = np.tile(table.parameters, (len(copies), 1))
+    if config.late_ends:
+        late = table.late_ends > pairs[:, 1]
+        copies.append(np.stack((pairs[late, 0], table.late_ends[late]), axis=1))
+        parameter_labels = np.concatenate((parameter_labels, labels[late]))
+        values = np.concatenate((values, table.parameters[late]))
     return CallData(
         observations=table.observations,
         types=Labels(table.rows(type_pairs), type_labels, balanced_weights(type_labels)),
         parameters=Labels(
             table.rows(np.concatenate(copies)), parameter_labels, balanced_weights(parameter_labels)
         ),
-        values=np.tile(table.parameters, (len(copies), 1)),
+        values=values,
     )
 
 

@@ -94,6 +94,7 @@ def _restored(arrays: dict[str, Any], width: int) -> CollectedEpisode:
         "rollouts": np.empty((0, 3), dtype=np.int64),
         "parameters": np.empty((0, width)),
         "others": np.empty((0, 2), dtype=np.int64),
+        "late_ends": np.empty(0, dtype=np.int64),
     }
     kept = {name: np.array(values) for name, values in arrays.items()}
     return CollectedEpisode(**{**empty, **kept})

@@ -58,7 +58,7 @@ class IdmTraining(Stage):
                 progress=self.progress_writer(item),
             )
             model = self.config.fit(data, context)
-            exact = pairs.model_copy(update={"jittered_copies": 0})
+            exact = pairs.model_copy(update={"jittered_copies": 0, "late_ends": False})
             left_out = RolloutTable(self.collection.episodes(start=cut)) if cut < count else table
             held_out = training_pairs(left_out, space, exact, generator)
             yield report_on(model, held_out)

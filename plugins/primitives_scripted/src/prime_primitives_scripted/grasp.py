@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 
-from pydantic import PositiveInt
-
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
 from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
-from prime_primitives_scripted.phases import hold
+from prime_primitives_scripted.phases import hold, rest
 from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
+
+CLOSING_STEPS = 10
+"""Motor actions that the gripper takes to close."""
 
 
 class GraspConfig(ScriptedConfig):
@@ -17,8 +18,6 @@ class GraspConfig(ScriptedConfig):
 
     position_std: Deviations = (0.001, 0.001, 0.001)
     """Standard deviations of the parameter prior in x, y, z [m]."""
-    closing_steps: PositiveInt = 10
-    """Motor actions that the gripper takes to close."""
 
     def build(self, description: SceneDescription) -> "Grasp":
         """Make the primitive; see `PrimitiveConfig`."""
@@ -37,8 +36,7 @@ class Grasp(ScriptedPrimitive):
 
     def __init__(self, config: GraspConfig, description: SceneDescription) -> None:
         super().__init__(config, description)
-        self._closing_steps = config.closing_steps
-        self.maximum_steps += config.closing_steps
+        self.maximum_steps += CLOSING_STEPS
 
     def suits(self, holding: bool) -> bool:
         """Only with nothing held."""
@@ -54,8 +52,9 @@ class Grasp(ScriptedPrimitive):
         mover = Mover(self._servo, OPEN)
         scene = yield from self._approach(scene, goal, mover)
         if self._is_there(scene, parameters):
+            scene = yield from rest(scene, goal, mover)
             mover.gripper = CLOSE
-            yield from hold(scene, goal, mover, self._closing_steps)
+            yield from hold(scene, goal, mover, CLOSING_STEPS)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether the gripper is there and has come to hold an object that may be grasped."""

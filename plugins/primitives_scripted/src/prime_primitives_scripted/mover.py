@@ -14,7 +14,7 @@ OPEN = -1.0
 CLOSE = 1.0
 
 GAIN = 4.0
-LEAD = 2.5
+LEAD = 3.5
 """The command is GAIN times what is left of the way, less LEAD times the last step.
 
 An arm that chases its commands as a critically damped spring with kp 150 then halves what is

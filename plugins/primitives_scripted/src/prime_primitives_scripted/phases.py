@@ -25,6 +25,7 @@ WAYPOINT_DISTANCE = 0.02  # [m] from lift height, and from above the goal
 WAYPOINT_ANGLE = 0.2  # [rad]
 SETTLED_DISTANCE = 0.0015  # [m]
 SETTLED_ANGLE = 0.01  # [rad]
+SLOW_STEP = 0.001  # [m] a step, 20 mm/s: fingers that close earlier push things aside
 STALL_STEPS = 8
 STALL_DISTANCE = 0.0003  # [m] a step
 STALL_ANGLE = 0.003  # [rad] a step
@@ -36,7 +37,7 @@ BLOCKED_DESCENT = 0.002  # [m] a step
 def move_while(
     unfinished: Callable[[Scene], bool], scene: Scene, goal: Array, mover: Mover
 ) -> Phase:
-    """Head for a goal as long as a condition holds.
+    """Head for a goal as long as a condition holds and the gripper moves.
 
     Args:
         unfinished: Asked before each step.
@@ -44,8 +45,10 @@ def move_while(
         goal: ``(4,)``.
         mover: Makes the actions.
     """
-    while unfinished(scene):
-        scene = yield mover.action(scene, goal)
+    still = 0
+    while unfinished(scene) and still < STALL_STEPS:
+        before, scene = scene, (yield mover.action(scene, goal))
+        still = still + 1 if is_still(before, scene) else 0
     return scene
 
 
@@ -86,10 +89,27 @@ def settle(scene: Scene, goal: Array, mover: Mover) -> Phase:
     still = blocked = 0
     while still < STALL_STEPS and blocked < BLOCKED_STEPS:
         before, scene = scene, (yield mover.action(scene, goal))
-        if is_settled(scene, goal):
+        if is_settled(scene, goal) and is_slow(before, scene):
             break
         still = still + 1 if is_still(before, scene) else 0
         blocked = blocked + 1 if is_blocked(before, scene, goal) else 0
+    return scene
+
+
+def rest(scene: Scene, goal: Array, mover: Mover) -> Phase:
+    """Stay at a goal until the gripper is slow; it takes at least one step.
+
+    An approach that ended because something was in the way may still be moving.
+
+    Args:
+        scene: Where it starts.
+        goal: ``(4,)``.
+        mover: Makes the actions.
+    """
+    for _ in range(STALL_STEPS):
+        before, scene = scene, (yield mover.action(scene, goal))
+        if is_slow(before, scene):
+            break
     return scene
 
 
@@ -137,6 +157,11 @@ def is_settled(scene: Scene, goal: Array) -> bool:
     """Whether the gripper is where it should be, closer than success asks for."""
     near = distance(scene, goal) < SETTLED_DISTANCE
     return near and jaw_distance(scene, goal[3]) < SETTLED_ANGLE
+
+
+def is_slow(before: Scene, after: Scene) -> bool:
+    """Whether the gripper moves so slowly that it stays where it is when it is told to."""
+    return distance(after, before.gripper_position) < SLOW_STEP
 
 
 def is_still(before: Scene, after: Scene) -> bool:

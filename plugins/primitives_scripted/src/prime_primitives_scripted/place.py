@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import PositiveFloat, PositiveInt
+from pydantic import PositiveFloat
 
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
@@ -11,8 +11,15 @@ from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.goal import jaw_distance, plane_distance
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
-from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
+from prime_primitives_scripted.scripted import (
+    Array,
+    Deviations,
+    ScriptedConfig,
+    ScriptedPrimitive,
+    lies_still,
+)
 
+OPENING_STEPS = 14  # for the gripper to open, which takes 10, and for what it lets go of to rest
 LETTING_GO = 4  # motor actions of opening after which the object is free
 OPENED = 0.004  # [m] that the gripper opens by at the least when it lets go
 
@@ -20,17 +27,13 @@ OPENED = 0.004  # [m] that the gripper opens by at the least when it lets go
 class PlaceConfig(ScriptedConfig):
     """Settings of the primitive place."""
 
-    position_std: Deviations = (0.01, 0.01, 0.1)
-    """Standard deviations of the parameter prior in x, y, z [m]."""
-    opening_steps: PositiveInt = 10
-    """Motor actions that the gripper takes to open."""
-    greatest_fall: PositiveFloat | None = None
-    """How far what is let go of may fall [m]; None, as in the paper, for any height."""
-    greatest_slide: PositiveFloat | None = None
-    """How far it may come to lie from below where it was let go of [m]; None for anywhere.
-
-    From high up things tumble away, and an inverse dynamics model that learns from such places
-    takes a retreat of the hand, after letting go, for a part of the place."""
+    position_std: Deviations = (0.01, 0.01, 0.03)
+    """Standard deviations of the parameter prior in x, y, z [m]; the paper's in z is 0.1 m, from
+    where things tumble away."""
+    greatest_fall: PositiveFloat = 0.08
+    """How far what is let go of may fall [m]."""
+    greatest_slide: PositiveFloat = 0.03
+    """How far it may come to lie from below where it was let go of [m]."""
 
     def build(self, description: SceneDescription) -> "Place":
         """Make the primitive; see `PrimitiveConfig`."""
@@ -52,8 +55,7 @@ class Place(ScriptedPrimitive):
     def __init__(self, config: PlaceConfig, description: SceneDescription) -> None:
         super().__init__(config, description)
         self._place = config
-        self._opening_steps = config.opening_steps
-        self.maximum_steps += config.opening_steps
+        self.maximum_steps += OPENING_STEPS
 
     def suits(self, holding: bool) -> bool:
         """Only with something held."""
@@ -73,34 +75,35 @@ class Place(ScriptedPrimitive):
             mover.gripper = OPEN
             # What stands on something is let go of before the hand goes on down around it.
             stand = np.array([*goal[:2], scene.gripper_position[2], goal[3]])
-            steps = min(LETTING_GO, self._opening_steps)
-            scene = yield from hold(scene, stand, mover, steps)
-            yield from hold(scene, goal, mover, self._opening_steps - steps)
+            scene = yield from hold(scene, stand, mover, LETTING_GO)
+            yield from hold(scene, goal, mover, OPENING_STEPS - LETTING_GO)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
-        """Whether it put down what it held at the place that it was called to.
+        """Whether what it held was put down where the parameters say, and lies still there.
 
-        It holds nothing now, and what it let go of did not fall far.
+        The parameters are where the gripper lets go, height included: where the way down was
+        blocked higher up, it was another place. Nothing is held any more. What was let go of
+        fell and slid a little at most: an inverse dynamics model then finds the place from where
+        the object lies, wherever the hand has gone since.
 
         The last steps are the gripper's opening: an object that was lost before is not held
         when they begin.
         """
-        if len(scenes) <= self._opening_steps or scenes[0].held is None:
+        if len(scenes) <= OPENING_STEPS or scenes[0].held is None:
             return False
-        release, after = scenes[-1 - self._opening_steps], scenes[-1]
+        release, after = scenes[-1 - OPENING_STEPS], scenes[-1]
         # An object that is pressed on forces the fingers apart a little, or seems not held.
         opened = after.gripper_opening > release.gripper_opening + OPENED
         let_go = release.held == scenes[0].held and opened and after.held is None
-        return let_go and self._is_over(release, parameters) and self._lies_below(release, after)
+        return let_go and self._is_there(release, parameters) and self._is_put_down(scenes, release)
 
-    def _lies_below(self, release: Scene, after: Scene) -> bool:
-        """Whether what was held at the release came to lie about where it was let go of."""
+    def _is_put_down(self, scenes: Sequence[Scene], release: Scene) -> bool:
+        """Whether what was held at the release lies still, about where it was let go of."""
         assert release.held is not None, "something was held"
         index = release.object_index(release.held)
-        moved = after.object_positions[index] - release.object_positions[index]
-        fall, slide = self._place.greatest_fall, self._place.greatest_slide
-        near = slide is None or float(np.hypot(moved[0], moved[1])) < slide
-        return near and (fall is None or float(-moved[2]) < fall)
+        moved = scenes[-1].object_positions[index] - release.object_positions[index]
+        near = float(np.hypot(moved[0], moved[1])) < self._place.greatest_slide
+        return near and float(-moved[2]) < self._place.greatest_fall and lies_still(scenes, index)
 
     def _is_over(self, scene: Scene, parameters: Array) -> bool:
         """Whether the gripper is where it was called to, whatever its height."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import PositiveFloat, PositiveInt
+from pydantic import PositiveFloat
 
 from prime_core.configuration import PositiveRange
 from prime_core.contracts.calls import Parameter, ParameterSpace
@@ -14,9 +14,20 @@ from prime_primitives_scripted import prior
 from prime_primitives_scripted.goal import distance
 from prime_primitives_scripted.mover import CLOSE, Mover
 from prime_primitives_scripted.phases import at_most, settle
-from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
+from prime_primitives_scripted.scripted import (
+    Array,
+    Deviations,
+    ScriptedConfig,
+    ScriptedPrimitive,
+    lies_still,
+)
+from prime_primitives_scripted.step_limits import way_limit
 
 GREATEST_DISPLACEMENT = (0.4, 0.4, 0.01)  # [m] (paper's release)
+
+
+LEAST_MOVE = 0.07  # [m] that an object must move in the plane to count as pushed (paper's release)
+DIRECTION_TOLERANCE = 0.5  # [rad] by which its direction may differ from the gripper's
 
 
 class PushConfig(ScriptedConfig):
@@ -35,12 +46,6 @@ class PushConfig(ScriptedConfig):
     they start a few centimetres from."""
     position_tolerance: PositiveFloat = 0.015
     """How far from either end the gripper may come [m]."""
-    least_move: PositiveFloat = 0.07
-    """How far an object must move in the plane to count as pushed [m]."""
-    direction_tolerance: PositiveFloat = 0.5
-    """How far its direction may differ from the gripper's [rad]."""
-    pushing_steps: PositiveInt = 50
-    """Motor actions that the push itself may take."""
 
     def build(self, description: SceneDescription) -> "Push":
         """Make the primitive; see `PrimitiveConfig`."""
@@ -69,7 +74,7 @@ class Push(ScriptedPrimitive):
             for name, limit in zip(("dx", "dy", "dz"), GREATEST_DISPLACEMENT, strict=True)
         )
         self.parameter_space = ParameterSpace((*self._pose_space.parameters, *displacement))
-        self.maximum_steps += config.pushing_steps
+        self.maximum_steps += way_limit(float(np.linalg.norm(GREATEST_DISPLACEMENT)))
 
     def suits(self, holding: bool) -> bool:
         """Only with nothing held."""
@@ -117,25 +122,35 @@ class Push(ScriptedPrimitive):
         scene = yield from self._approach(scene, start, mover)
         if self._is_there(scene, parameters):
             end = start + np.append(parameters[4:], 0.0)
-            yield from at_most(self._push.pushing_steps, scene, settle(scene, end, mover))
+            yield from at_most(
+                way_limit(float(np.linalg.norm(parameters[4:]))), scene, settle(scene, end, mover)
+            )
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
-        """Whether it came to both ends, and an object that may be pushed moved along."""
+        """Whether it came to both ends, and pushed an object that may be pushed.
+
+        The object moved along with the gripper, no further than it, and lies still.
+        """
         before, after = scenes[0], scenes[-1]
         if before.held is not None or after.held is not None:
             return False
         started = any(self._is_there(scene, parameters) for scene in scenes)
         ended = distance(after, _end(parameters)) < self._push.position_tolerance
-        return started and ended and self._moved_along(before, after, parameters[4:6])
-
-    def _moved_along(self, before: Scene, after: Scene, way: Array) -> bool:
-        pushable = [item.pushable for item in after.description.objects]
-        moves = (after.object_positions - before.object_positions)[pushable, :2]
-        lengths = np.linalg.norm(moves, axis=1)
-        along = moves @ way >= np.cos(self._push.direction_tolerance) * lengths * np.linalg.norm(
-            way
+        return (
+            started
+            and ended
+            and any(
+                item.pushable and self._was_pushed(scenes, index, parameters[4:6])
+                for index, item in enumerate(after.description.objects)
+            )
         )
-        return bool(np.any(along & (lengths > self._push.least_move)))
+
+    def _was_pushed(self, scenes: Sequence[Scene], index: int, way: Array) -> bool:
+        move = (scenes[-1].object_positions[index] - scenes[0].object_positions[index])[:2]
+        length, most = float(np.linalg.norm(move)), float(np.linalg.norm(way))
+        along = float(move @ way) >= np.cos(DIRECTION_TOLERANCE) * length * most
+        far_enough = LEAST_MOVE < length < most + self._push.position_tolerance
+        return along and far_enough and lies_still(scenes, index)
 
 
 def _end(parameters: Array) -> Array:

@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pydantic import NonNegativeFloat
-
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
 from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
+
+CLOSED_BELOW = 0.04
+"""Opening below which an empty gripper counts as closed, and is kept so [m]: half of the greatest."""
 
 
 class ReachConfig(ScriptedConfig):
@@ -17,8 +18,6 @@ class ReachConfig(ScriptedConfig):
 
     position_std: Deviations = (0.005, 0.005, 0.01)
     """Standard deviations of the parameter prior in x, y, z [m]."""
-    closed_below: NonNegativeFloat = 0.04
-    """Opening below which an empty gripper counts as closed, and is kept closed [m]."""
 
     def build(self, description: SceneDescription) -> "Reach":
         """Make the primitive; see `PrimitiveConfig`."""
@@ -34,10 +33,6 @@ class Reach(ScriptedPrimitive):
     """
 
     name = "reach"
-
-    def __init__(self, config: ReachConfig, description: SceneDescription) -> None:
-        super().__init__(config, description)
-        self._closed_below = config.closed_below
 
     def suits(self, holding: bool) -> bool:
         """It makes sense anywhere."""
@@ -60,7 +55,7 @@ class Reach(ScriptedPrimitive):
 
     def motion(self, scene: Scene, parameters: Array) -> Motion:
         """Return the motion that starts in a scene; see `Primitive`."""
-        closed = scene.holding or scene.gripper_opening < self._closed_below
+        closed = scene.holding or scene.gripper_opening < CLOSED_BELOW
         goal = self._goal(scene, parameters)
         mover = Mover(self._servo, CLOSE if closed else OPEN)
         yield from self._approach(scene, goal, mover)

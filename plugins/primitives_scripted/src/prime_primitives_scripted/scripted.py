@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import NonNegativeFloat, PositiveFloat, PositiveInt
+from pydantic import NonNegativeFloat, PositiveFloat
 
 from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.description import Affordance, SceneDescription
@@ -21,8 +21,11 @@ from prime_primitives_scripted.goal import (
 from prime_primitives_scripted.mover import Mover
 from prime_primitives_scripted.phases import Phase, approach, at_most
 from prime_primitives_scripted.servo import make_servo
+from prime_primitives_scripted.step_limits import approach_limit, greatest_approach_limit
 
 Array = NDArray[np.float64]
+
+STILL = 0.001  # [m] a step, 20 mm/s: what falls or slides is faster
 
 type Deviations = tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat]
 """Standard deviations in x, y, z [m]."""
@@ -41,8 +44,6 @@ class ScriptedConfig(PrimitiveConfig):
     """How far from its position parameters it may end [m]."""
     yaw_tolerance: PositiveFloat = 0.2
     """How far from its yaw parameter it may end [rad]."""
-    approach_steps: PositiveInt = 70
-    """Motor actions that it may take on the way."""
 
 
 class ScriptedPrimitive(Primitive):
@@ -55,7 +56,7 @@ class ScriptedPrimitive(Primitive):
 
     def __init__(self, config: ScriptedConfig, description: SceneDescription) -> None:
         self.parameter_space = pose_space(description)
-        self.maximum_steps = config.approach_steps
+        self.maximum_steps = greatest_approach_limit(description)
         self._config = config
         self._servo = make_servo(description, config.inverse_kinematics)
 
@@ -88,13 +89,23 @@ class ScriptedPrimitive(Primitive):
         return equivalent_goals(parameters, scene.gripper_yaw)[0] if planned is None else planned
 
     def _approach(self, scene: Scene, goal: Array, mover: Mover) -> Phase:
-        phase = approach(scene, goal, mover)
-        return at_most(self._config.approach_steps, scene, phase)
+        return at_most(approach_limit(scene, goal), scene, approach(scene, goal, mover))
 
     def _is_there(self, scene: Scene, parameters: Array) -> bool:
         """Whether the gripper is within the tolerances of where it was called to."""
         near = distance(scene, parameters) < self._config.position_tolerance
         return near and jaw_distance(scene, parameters[3]) < self._config.yaw_tolerance
+
+
+def lies_still(scenes: Sequence[Scene], index: int) -> bool:
+    """Whether an object did not move in the last step.
+
+    Args:
+        scenes: Two at least.
+        index: Row of the object.
+    """
+    before, after = (scene.object_positions[index] for scene in scenes[-2:])
+    return float(np.linalg.norm(after - before)) < STILL
 
 
 def pose_space(description: SceneDescription) -> ParameterSpace:
