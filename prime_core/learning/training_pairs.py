@@ -1,6 +1,7 @@
 """Makes what an IDM learns from out of collected episodes."""
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from prime_core.arrays import Floats, Indices
@@ -8,6 +9,8 @@ from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.training import CallData, Labels
+
+LEFT = 0.03  # [m] from which on a hand has left the place where a rollout ended
 
 
 class PairConfig(Config):
@@ -55,7 +58,7 @@ def training_pairs(
     parameter_labels = np.tile(labels, len(copies))
     values = np.tile(table.parameters, (len(copies), 1))
     if config.late_ends:
-        late = table.late_ends > pairs[:, 1]
+        late = _hand_has_left(table)
         copies.append(np.stack((pairs[late, 0], table.late_ends[late]), axis=1))
         parameter_labels = np.concatenate((parameter_labels, labels[late]))
         values = np.concatenate((values, table.parameters[late]))
@@ -67,6 +70,17 @@ def training_pairs(
         ),
         values=values,
     )
+
+
+def _hand_has_left(table: RolloutTable) -> NDArray[np.bool_]:
+    """Tell for each rollout whether the gripper is elsewhere at its late end, ``(n,)``.
+
+    Where it is not, it tells the parameters as well as at the rollout's own end.
+    """
+    ends = (table.rows(table.rollouts[:, 1]), table.rows(table.late_ends))
+    here, there = (table.observations.gripper_position[rows] for rows in ends)
+    left: NDArray[np.bool_] = np.linalg.norm(there - here, axis=1) > LEFT
+    return left
 
 
 def balanced_weights(labels: Indices) -> Floats:

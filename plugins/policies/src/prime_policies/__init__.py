@@ -1,6 +1,8 @@
 """Networks that recognise primitives in demonstrations, and that choose the next one.
 
-Importing this package loads no torch: the settings import their networks when they train or load.
+`networks` has what they compute, `training` how they learn; each model has a folder of its own, with
+its settings in ``config``. Importing this package loads no torch: settings import their networks
+when they train or load.
 """
 
 from prime_core.hookspecs import Register, hookimpl
@@ -9,7 +11,7 @@ from prime_core.hookspecs import Register, hookimpl
 @hookimpl
 def register_idms(register: Register) -> None:
     """Register the inverse dynamics model ``mlp-gmm``."""
-    from prime_policies.mlp_gmm import MlpGmmIdmConfig
+    from prime_policies.idm.config import MlpGmmIdmConfig
 
     register("mlp-gmm", MlpGmmIdmConfig)
 
@@ -17,6 +19,6 @@ def register_idms(register: Register) -> None:
 @hookimpl
 def register_policies(register: Register) -> None:
     """Register the policy ``prime``."""
-    from prime_policies.prime import PrimePolicyConfig
+    from prime_policies.primitive_policy.config import PrimePolicyConfig
 
     register("prime", PrimePolicyConfig)

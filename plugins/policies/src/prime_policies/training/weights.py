@@ -18,7 +18,7 @@ from prime_core.errors import PrimeError
 from prime_core.files import new_file
 
 CARD = "model.yaml"
-FORMAT = 2  # of the weights; rises with a change that makes older ones mean something else
+FORMAT = 3  # of the weights; rises with a change that makes older ones mean something else
 
 Card = dict[str, Any]
 

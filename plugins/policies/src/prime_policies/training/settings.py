@@ -10,7 +10,7 @@ class NetworkSettings(Config):
 
     hidden_sizes: tuple[PositiveInt, ...] = Field((256, 256), min_length=1)
     """Widths of the hidden layers. (1024, 1024), as in the paper, was no better on states."""
-    components: int = Field(5, ge=1)
+    components: int = Field(12, ge=1)
     """Gaussians in a mixture of parameters."""
     minimum_deviation: float = Field(1e-3, gt=0)
     """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]."""
@@ -21,6 +21,6 @@ class NetworkSettings(Config):
     steps_per_epoch: int = Field(500, ge=1)
     """Steps of an epoch; an interrupted training goes on after its last finished epoch."""
     learning_rate: float = Field(1e-3, gt=0)
-    """Of Adam at the start; it falls to zero by half a cosine."""
+    """Of AdamW at the start; it falls to zero by half a cosine."""
     weight_decay: float = Field(1e-3, ge=0)
-    """Decoupled, of Adam."""
+    """Decoupled, of AdamW; offsets and precisions of mixtures have none."""

@@ -7,10 +7,10 @@ import torch
 
 
 @contextmanager
-def one_thread() -> Iterator[None]:
-    """Use one thread: small matrices are no faster on more, and sums keep their order."""
+def threads(count: int = 1) -> Iterator[None]:
+    """Use a number of threads: small matrices are no faster on more, and sums keep their order."""
     before = torch.get_num_threads()
-    torch.set_num_threads(1)
+    torch.set_num_threads(count)
     try:
         yield
     finally:

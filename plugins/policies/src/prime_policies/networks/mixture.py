@@ -14,15 +14,13 @@ class Mixture(NamedTuple):
     Attributes:
         logits: Of the components' weights, ``(n, K)``.
         means: ``(n, K, D)``.
-        deviations: Standard deviations, ``(n, K, D)``.
-        mask: Which dimensions count, ``(n, D)``, 1 or 0.
-        periods: By which values may differ and mean the same, ``(n, D)``; 0 for none.
+        deviations: Standard deviations, ``(K, D)``.
+        periods: By which values may differ and mean the same, ``(D,)``; 0 for none.
     """
 
     logits: Tensor
     means: Tensor
     deviations: Tensor
-    mask: Tensor
     periods: Tensor
 
 
@@ -34,11 +32,9 @@ def wrapped(differences: Tensor, periods: Tensor) -> Tensor:
 
 def log_density(mixture: Mixture, values: Tensor) -> Tensor:
     """Return the log density at values ``(n, D)``, ``(n,)``."""
-    differences = wrapped(values[:, None] - mixture.means, mixture.periods[:, None])
-    standard = differences / mixture.deviations
+    standard = wrapped(values[:, None] - mixture.means, mixture.periods) / mixture.deviations
     terms = -0.5 * standard.square() - mixture.deviations.log() - 0.5 * log(2 * pi)
-    components = (terms * mixture.mask[:, None]).sum(dim=-1)
-    return torch.logsumexp(mixture.logits.log_softmax(dim=-1) + components, dim=-1)
+    return torch.logsumexp(mixture.logits.log_softmax(dim=-1) + terms.sum(dim=-1), dim=-1)
 
 
 def best_means(mixture: Mixture) -> Tensor:
@@ -48,10 +44,8 @@ def best_means(mixture: Mixture) -> Tensor:
 
 
 def draw(mixture: Mixture, count: int, generator: np.random.Generator) -> Tensor:
-    """Draw values of a mixture alone in its batch, the densest first, ``(count, D)``."""
+    """Draw values of a mixture alone in its batch, ``(count, D)``."""
     weights = mixture.logits[0].double().softmax(dim=-1).numpy()
     chosen = torch.from_numpy(generator.choice(len(weights), count, p=weights / weights.sum()))
-    means, deviations = mixture.means[0, chosen], mixture.deviations[0, chosen]
-    values = means + deviations * torch.from_numpy(generator.normal(size=means.shape)).float()
-    batch = Mixture(*(item.expand(count, *item.shape[1:]) for item in mixture))
-    return values[log_density(batch, values).argsort(descending=True, stable=True)]
+    means, deviations = mixture.means[0, chosen], mixture.deviations[chosen]
+    return means + deviations * torch.from_numpy(generator.normal(size=means.shape)).float()

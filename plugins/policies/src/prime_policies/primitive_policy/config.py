@@ -7,29 +7,24 @@ from pydantic import Field
 
 from prime_core.contracts.policy import PrimitivePolicy, PrimitivePolicyConfig
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
-from prime_policies.settings import NetworkSettings
+from prime_policies.training.settings import NetworkSettings
 
 
 class PrimePolicyConfig(PrimitivePolicyConfig, NetworkSettings):
-    """A classifier of the next primitive and a Gaussian mixture of its parameters.
+    """A classifier of the next primitive and a task-parameterised mixture of its parameters.
 
     Both are pretrained on the rollouts, if asked, and then fine-tuned on the demonstrations.
     """
 
-    components: int = Field(16, ge=4)
-    """Gaussians in a mixture of parameters: for each object its own. With pretraining, half of
-    them start from what parameters of rollouts follow, half from what those of demonstrations
-    do."""
+    components: int = Field(16, ge=2)
+    """Gaussians in a mixture of parameters. With pretraining, half of them start where parameters
+    of rollouts gather, half where those of demonstrations do."""
     pretraining_epochs: int = Field(8, ge=1)
     """Epochs of each network on the rollouts."""
     finetuning_epochs: int = Field(10, ge=1)
     """Epochs of each network on the demonstrations; a checkpoint is kept after each."""
     finetuning_steps_per_epoch: int = Field(200, ge=1)
     """Steps of an epoch on the demonstrations."""
-    finetuning_learning_rate: float = Field(1e-3, gt=0)
-    """Of Adam after pretraining; without pretraining it is `learning_rate`."""
-    rollout_share: float = Field(0.0, ge=0, lt=1)
-    """Share of rollouts in the batches of fine-tuning, against forgetting them."""
 
     def count_checkpoints(self) -> int:
         """Return one for each epoch of fine-tuning."""
@@ -38,13 +33,13 @@ class PrimePolicyConfig(PrimitivePolicyConfig, NetworkSettings):
     def fit(
         self, rollouts: CallData | None, demonstrations: CallData, context: TrainingContext
     ) -> Sequence[Path]:
-        """Train both networks, one after the other."""
-        from prime_policies.prime_training import fit_policy
+        """Train both networks, one after the other; see `PrimitivePolicyConfig`."""
+        from prime_policies.primitive_policy.training import fit_policy
 
         return fit_policy(self, rollouts, demonstrations, context)
 
     def load(self, checkpoint: Path, context: ModelContext) -> PrimitivePolicy:
-        """Load the two networks of a checkpoint."""
-        from prime_policies.prime_training import load_policy
+        """Load the two networks of a checkpoint; see `PrimitivePolicyConfig`."""
+        from prime_policies.primitive_policy.training import load_policy
 
         return load_policy(self, checkpoint, context)

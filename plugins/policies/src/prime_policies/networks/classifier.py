@@ -1,0 +1,37 @@
+"""A classifier of instants or pairs of them."""
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from prime_policies.networks.batch import Batch
+from prime_policies.networks.trunk import Trunk
+
+
+class Classifier(nn.Module):
+    """p(class | features).
+
+    Args:
+        trunk: Sees the features.
+        hidden: Width of its last layer.
+        classes: Number of classes.
+    """
+
+    def __init__(self, trunk: Trunk, hidden: int, classes: int) -> None:
+        super().__init__()
+        self.trunk = trunk
+        self.head = nn.Linear(hidden, classes)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Return log probabilities ``(n, classes)`` of features ``(n, 1 or 2, features)``."""
+        return self.log_probabilities(self.trunk(features))
+
+    def log_probabilities(self, hidden: Tensor) -> Tensor:
+        """Return log probabilities ``(n, classes)`` from the trunk's last layer."""
+        logits: Tensor = self.head(hidden)
+        return logits.log_softmax(dim=-1)
+
+    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
+        """Return the mean cross entropy."""
+        hidden = self.trunk(batch.features, generator)
+        return functional.nll_loss(self.log_probabilities(hidden), batch.labels)

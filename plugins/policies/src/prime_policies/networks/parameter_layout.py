@@ -1,0 +1,91 @@
+"""What the numbers of a primitive's parameters are: points, angles, or plain numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from prime_core.arrays import Floats
+from prime_core.contracts.calls import ParameterSpace
+from prime_core.rotations import wrap_angle
+
+POINTS = (("x", "y", "z"), ("dx", "dy", "dz"))
+"""Names of coordinates: of a point, and of the displacement from it to a second point."""
+YAW = "yaw"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Numbers that share a precision.
+
+    Attributes:
+        kind: ``plane`` (two coordinates of a point, in the plane), ``height`` (its third),
+            ``angle``, or ``number``.
+        places: Which numbers they are.
+    """
+
+    kind: str
+    places: tuple[int, ...]
+
+
+class ParameterLayout:
+    """The groups of a primitive's parameters, and targets of networks made of them.
+
+    A displacement is learnt as the point where it ends, so that all points are alike. Targets are
+    in the parameters' units; ``scales`` bring them to about [-1, 1].
+
+    Args:
+        space: Parameters by the field's names (`POINTS`, `YAW`); others are plain numbers.
+
+    Attributes:
+        groups: Of the numbers.
+        scales: Half of the range of each number, the same for both in a plane, ``(P,)``.
+        periods: After which angles repeat [rad], ``(P,)``; 0 for other numbers.
+        density_shift: What is added to a log density of targets over ``scales`` for the one of
+            parameters normalised to [-1, 1].
+    """
+
+    def __init__(self, space: ParameterSpace) -> None:
+        self._space = space
+        names = [item.name for item in space.parameters]
+        places = {name: place for place, name in enumerate(names)}
+        groups: list[Group] = []
+        self._displacement: list[tuple[int, int]] = []
+        for number, (x, y, z) in enumerate(POINTS):
+            if {x, y} <= set(names):
+                groups.append(Group("plane", (places[x], places[y])))
+            if z in names:
+                groups.append(Group("height", (places[z],)))
+            if number and set(POINTS[0]) | {x, y, z} <= set(names):
+                pairs = zip(POINTS[0], (x, y, z), strict=True)
+                self._displacement = [(places[start], places[move]) for start, move in pairs]
+        taken = {place for group in groups for place in group.places}
+        for place, item in enumerate(space.parameters):
+            if place not in taken:
+                angle = item.name == YAW and item.period is not None
+                groups.append(Group("angle" if angle else "number", (place,)))
+        self.groups = tuple(groups)
+        self.periods = np.array([item.period or 0.0 for item in space.parameters])
+        halves = np.maximum((space.high - space.low) / 2, 1e-6)
+        self.scales = halves.copy()
+        for group in self.groups:
+            self.scales[list(group.places)] = halves[list(group.places)].max()
+        self.density_shift = float(np.log(halves / self.scales).sum())
+
+    def targets(self, parameters: Floats) -> Floats:
+        """Return what networks learn for parameters ``(n, P)``."""
+        result = np.array(parameters, dtype=np.float64)
+        for start, move in self._displacement:
+            result[:, move] += result[:, start]
+        return result
+
+    def parameters(self, targets: Floats) -> Floats:
+        """Return the parameters of targets ``(n, P)``, brought within their bounds."""
+        result = np.array(targets, dtype=np.float64)
+        low, high = self._space.low, self._space.high
+        for place, period in enumerate(self.periods):
+            if period:
+                middle = (low[place] + high[place]) / 2
+                result[:, place] = middle + wrap_angle(result[:, place] - middle, period)
+        for start, move in self._displacement:
+            result[:, move] -= result[:, start]
+        return np.clip(result, low, high)

@@ -1,0 +1,130 @@
+"""Frames of reference: upright poses that a primitive's parameters may be relative to.
+
+Of one instant: the world, and each object, with its yaw and without; the gripper's yaw, for angles.
+Of a pair of instants: also the gripper at both, and each object at the end, and along the way that it
+moved, and the gripper carried along by it. The idea is that of task-parameterised mixtures (Calinon, "A tutorial on task-parameterized
+movement learning and retrieval", 2016).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import lcm
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.arrays import Array, Indices
+from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.observations import Observations
+from prime_core.rotations import wrap_angle, yaw_of
+
+JAW_SYMMETRY = 2  # parallel jaws look the same after half a turn
+MOVED = 0.01  # [m] from which on an object's way has a direction
+
+
+@dataclass(frozen=True)
+class ReferenceFrame:
+    """One frame of reference.
+
+    Attributes:
+        name: What it is.
+        has_origin: Whether points may be relative to it.
+        has_yaw: Whether angles may be.
+    """
+
+    name: str
+    has_origin: bool = True
+    has_yaw: bool = True
+
+
+class ReferenceFrames:
+    """The frames of reference of scenes.
+
+    Args:
+        description: Of the scenes.
+        pair: Whether of pairs of instants, as an inverse dynamics model sees them.
+
+    Attributes:
+        frames: What they are, in the order of `poses`.
+    """
+
+    def __init__(self, description: SceneDescription, pair: bool) -> None:
+        self._objects = description.objects
+        self._pair = pair
+        self.frames = tuple(self._names())
+
+    def _names(self) -> Iterator[ReferenceFrame]:
+        yield ReferenceFrame("world")
+        yield ReferenceFrame("gripper at s", has_origin=self._pair)
+        if self._pair:
+            yield ReferenceFrame("gripper at s'")
+        for item in self._objects:
+            yield ReferenceFrame(item.name, has_yaw=item.yaw_symmetry > 0)
+            if self._pair:
+                yield ReferenceFrame(f"{item.name} at s'", has_yaw=item.yaw_symmetry > 0)
+                yield ReferenceFrame(f"{item.name} along its way", has_yaw=False)
+                yield ReferenceFrame(f"gripper carried by {item.name}")
+            else:
+                yield ReferenceFrame(f"{item.name} without its yaw", has_yaw=False)
+
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
+        """Return the poses of gripper and objects in each instant, ``(N, 1 + objects, 4)``.
+
+        x, y, z [m] and yaw [rad]. Of the yaws that an object's symmetry makes equal, it is the one
+        next to the gripper's.
+        """
+        poses = np.empty((len(seen), 1 + len(self._objects), 4), dtype=np.float32)
+        yaw = seen.gripper_yaw
+        poses[:, 0, :3], poses[:, 0, 3] = seen.gripper_position, yaw
+        for index, item in enumerate(self._objects):
+            poses[:, index + 1, :3] = seen.object_positions[:, index]
+            own = yaw_of(seen.object_quaternions[:, index])
+            if item.yaw_symmetry:
+                period = 2 * np.pi / lcm(item.yaw_symmetry, JAW_SYMMETRY)
+                own = yaw + wrap_angle(own - yaw, period)
+            poses[:, index + 1, 3] = own
+        return poses
+
+    def poses(self, encoded: NDArray[np.float32], rows: Indices) -> Array:
+        """Return the frames of reference of instants or of pairs of them.
+
+        Args:
+            encoded: From `encode`, ``(N, 1 + objects, 4)``.
+            rows: ``(n, 1)``, or start and end ``(n, 2)`` of pairs.
+
+        Returns:
+            x, y, z [m] and yaw [rad] of each, ``(n, frames, 4)``.
+        """
+        start, end = encoded[rows[:, 0]].astype(np.float64), encoded[rows[:, -1]]
+        parts = [np.zeros((len(rows), 4)), start[:, 0]]
+        if self._pair:
+            parts.append(end[:, 0].astype(np.float64))
+        for index in range(1, start.shape[1]):
+            parts.append(start[:, index])
+            if self._pair:
+                after = end[:, index].astype(np.float64)
+                parts += [after, _along(start[:, index], after)]
+                parts.append(_carried(start[:, 0], start[:, index], after))
+            else:
+                parts.append(np.pad(start[:, index, :3], ((0, 0), (0, 1))))
+        return np.stack(parts, axis=1)
+
+
+def _carried(gripper: Array, before: Array, after: Array) -> Array:
+    """Return where a gripper would be that had moved along with an object, ``(n, 4)``.
+
+    Of what was held from s on, it is where the gripper let go of it, wherever it has gone since.
+    """
+    turn = wrap_angle(after[:, 3] - before[:, 3])
+    cosine, sine = np.cos(turn), np.sin(turn)
+    x, y, z = (gripper - before)[:, :3].T
+    turned = np.column_stack((cosine * x - sine * y, sine * x + cosine * y, z))
+    return np.column_stack((after[:, :3] + turned, gripper[:, 3] + turn))
+
+
+def _along(start: Array, end: Array) -> Array:
+    """Return where an object started, turned the way that it moved, ``(n, 4)``."""
+    move = (end - start)[:, :2]
+    angle = np.arctan2(move[:, 1], move[:, 0])
+    turned = np.where(np.hypot(move[:, 0], move[:, 1]) > MOVED, angle, 0.0)
+    return np.column_stack((start[:, :3], turned))
