@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import ArrayLike
 
 from prime_core.checks import check_environment
-from prime_envs_robosuite.clean_up import Variant, lies_on_top
 from prime_envs_robosuite.config import CleanUpConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
+from prime_envs_robosuite.tasks.clean_up import Variant, lies_on_top
 
 from .conftest import Hand, far_apart, last_state, put, random_actions
 

@@ -6,10 +6,18 @@ import numpy as np
 import pytest
 
 from prime_core.contracts.scene import Scene
+from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.jobs import HoldUp, Job, Push, PutInto, PutOnto, Reach, in_opposite_order
-from prime_envs_robosuite.lift import CUBE_HALF_SIZE, TABLE_TOP, LiftTask
-from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
+from prime_envs_robosuite.tasks.lift import CUBE_HALF_SIZE, TABLE_TOP, LiftTask
+from prime_envs_robosuite.tasks.subtasks import (
+    HoldUp,
+    Job,
+    Push,
+    PutInto,
+    PutOnto,
+    Reach,
+    in_opposite_order,
+)
 
 ANYWHERE = Reach(base=(-0.56, 0.0), distance=0.78)
 LYING = TABLE_TOP + CUBE_HALF_SIZE

@@ -14,7 +14,7 @@ from prime_core.contracts.scene import Scene
 from prime_core.rotations import rotation_matrix, yaw_of
 from prime_envs_robosuite.config import NutAssemblyConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.nut_assembly import PEG_TOP, SHAPES
+from prime_envs_robosuite.tasks.nut_assembly import PEG_TOP, SHAPES
 
 MakeHand = Callable[[RobosuiteEnvironment], Any]
 PEG = np.array(SHAPES["round"].peg)

@@ -12,9 +12,9 @@ from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.errors import DatasetError
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
+from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.robosuite_hdf5 import RobosuiteHdf5Config, motor_actions
-from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
+from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config, motor_actions
 
 HUMAN = Path(__file__).parents[3] / "shared" / "human_demos"
 KEYBOARD, SPACE_MOUSE = HUMAN / "lift_v1.4.0_keyboard.hdf5", HUMAN / "lift_v1.4.1.hdf5"

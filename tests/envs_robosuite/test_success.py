@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from prime_envs_robosuite.config import PickPlaceConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.pick_place import in_quarter
+from prime_envs_robosuite.tasks.pick_place import in_quarter
 
 MakeHand = Callable[[RobosuiteEnvironment], Any]
 

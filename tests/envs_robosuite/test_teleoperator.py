@@ -13,8 +13,8 @@ from prime_core.contracts.environment import ACTION_LIMIT, Environment, Environm
 from prime_core.errors import PrimeError
 from prime_core.experiments.reading import read_experiment
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig, TidyUpConfig
+from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
 
 SEED = 3
 SLOW = 0.005 / 20  # 5 mm/s, per step [m]

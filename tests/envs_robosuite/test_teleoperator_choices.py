@@ -10,11 +10,11 @@ from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
 from prime_core.rotations import wrap_angle
 from prime_envs_robosuite.config import LiftConfig, TidyUpConfig
+from prime_envs_robosuite.demonstrators.grasp_choice import choose_grasp
+from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.jobs import PutInto
-from prime_envs_robosuite.table_top import BIN_HEIGHT, TABLE_TOP
-from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
-from prime_envs_robosuite.teleoperator_choices import choose_grasp
+from prime_envs_robosuite.tasks.subtasks import PutInto
+from prime_envs_robosuite.tasks.table_top import BIN_HEIGHT, TABLE_TOP
 
 SMALL, OTHER, LARGE = 0, 1, 2
 AWAY = np.array([[-0.12, 0.0], [0.1, 0.2], [0.1, 0.0]])  # x and y of each box [m]

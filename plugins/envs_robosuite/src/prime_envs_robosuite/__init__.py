@@ -1,6 +1,9 @@
 """robosuite tasks as prime environments, and demonstrations of them.
 
-Importing this imports neither robosuite nor MuJoCo.
+Each part imports only those before it: ``simulation``, ``tasks``, the files beside this one
+(``environment.py``, its settings ``config.py``, ``recorder.py``), then ``demonstrators`` and
+``recordings``, which do not know each other. What is new is registered here. Importing this imports
+neither robosuite nor MuJoCo.
 """
 
 from prime_core.hookspecs import Register, hookimpl
@@ -27,8 +30,10 @@ def register_environments(register: Register) -> None:
 @hookimpl
 def register_demonstrators(register: Register) -> None:
     """Register the simulated teleoperator and the importer of robosuite's recordings."""
-    from prime_envs_robosuite.robosuite_hdf5 import RobosuiteHdf5Config
-    from prime_envs_robosuite.teleoperator import SimulatedTeleoperatorConfig
+    from prime_envs_robosuite.demonstrators.simulated_teleoperator import (
+        SimulatedTeleoperatorConfig,
+    )
+    from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config
 
     register("simulated-teleoperator", SimulatedTeleoperatorConfig)
     register("robosuite-hdf5", RobosuiteHdf5Config)

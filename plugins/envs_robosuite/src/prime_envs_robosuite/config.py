@@ -35,7 +35,7 @@ class LiftConfig(RobosuiteConfig):
     def build(self) -> Environment:
         """Make the environment."""
         from prime_envs_robosuite.environment import RobosuiteEnvironment
-        from prime_envs_robosuite.lift import LiftTask
+        from prime_envs_robosuite.tasks.lift import LiftTask
 
         return RobosuiteEnvironment(
             LiftTask(), self.stepping, self.cameras, self.image_size, self.horizon
@@ -55,7 +55,7 @@ class NutAssemblyConfig(RobosuiteConfig):
     def build(self) -> Environment:
         """Make the environment."""
         from prime_envs_robosuite.environment import RobosuiteEnvironment
-        from prime_envs_robosuite.nut_assembly import NutAssemblyTask
+        from prime_envs_robosuite.tasks.nut_assembly import NutAssemblyTask
 
         return RobosuiteEnvironment(
             NutAssemblyTask(self.nut, self.initial_range),
@@ -75,7 +75,7 @@ class PickPlaceConfig(RobosuiteConfig):
     def build(self) -> Environment:
         """Make the environment."""
         from prime_envs_robosuite.environment import RobosuiteEnvironment
-        from prime_envs_robosuite.pick_place import PickPlaceTask
+        from prime_envs_robosuite.tasks.pick_place import PickPlaceTask
 
         return RobosuiteEnvironment(
             PickPlaceTask(self.object), self.stepping, self.cameras, self.image_size, self.horizon
@@ -91,7 +91,7 @@ class TidyUpConfig(RobosuiteConfig):
     def build(self) -> Environment:
         """Make the environment."""
         from prime_envs_robosuite.environment import RobosuiteEnvironment
-        from prime_envs_robosuite.tidy_up import TidyUpTask
+        from prime_envs_robosuite.tasks.tidy_up import TidyUpTask
 
         return RobosuiteEnvironment(
             TidyUpTask(self.variant), self.stepping, self.cameras, self.image_size, self.horizon
@@ -106,8 +106,8 @@ class CleanUpConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.clean_up import CleanUpTask
         from prime_envs_robosuite.environment import RobosuiteEnvironment
+        from prime_envs_robosuite.tasks.clean_up import CleanUpTask
 
         return RobosuiteEnvironment(
             CleanUpTask(self.variant), self.stepping, self.cameras, self.image_size, self.horizon

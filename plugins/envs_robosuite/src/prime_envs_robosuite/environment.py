@@ -17,11 +17,12 @@ from prime_core.contracts.environment import (
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
 from prime_core.contracts.scene import ObjectPoses, Scene
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.commands import controller_command
-from prime_envs_robosuite.rendering import Cameras
-from prime_envs_robosuite.robot_description import describe_robot
-from prime_envs_robosuite.simulation import Simulation, Stepping
-from prime_envs_robosuite.task import Task
+from prime_envs_robosuite.simulation.controller_commands import controller_command
+from prime_envs_robosuite.simulation.panda_simulation import Simulation
+from prime_envs_robosuite.simulation.rendering import Cameras
+from prime_envs_robosuite.simulation.robot_description import describe_robot
+from prime_envs_robosuite.simulation.stepping import Stepping
+from prime_envs_robosuite.tasks.task import Task
 
 Array = NDArray[np.float64]
 # Closed fingers touch with both what they push; what they hold is thicker [m].
@@ -34,7 +35,7 @@ class RobosuiteEnvironment(Environment):
 
     Args:
         task: The task.
-        stepping: How physics is advanced; see `prime_envs_robosuite.stepping`.
+        stepping: How physics is advanced; see `simulation.stepping`.
         cameras: Cameras whose images are part of the observations.
         image_size: Height and width of those images [pixels].
         horizon: Steps after which an episode is truncated; None for never.
@@ -57,8 +58,9 @@ class RobosuiteEnvironment(Environment):
         self.task = task
         self.horizon = horizon
         self.render_mode = "rgb_array"
-        self._simulation = Simulation(task, stepping)
-        self._cameras = Cameras(self._simulation.host)
+        host = task.make_host()
+        self._simulation = Simulation(host, task.body_names, task.placements(host), stepping)
+        self._cameras = Cameras(host)
         for name in cameras:
             self._cameras.check(name)
         self._images = {IMAGE_PREFIX + name: name for name in cameras}
@@ -124,7 +126,7 @@ class RobosuiteEnvironment(Environment):
         return self._scene
 
     def is_success(self) -> bool:
-        """Whether the task is solved now, as a person would call it."""
+        """Whether the task is solved now."""
         scene = self.scene()
         return self.task.is_success(scene, self._touched, self._simulation.motions())
 

@@ -1,0 +1,89 @@
+"""What tells one robosuite task from another: objects, regions, success."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
+
+from prime_core.contracts.description import Affordance, ObjectDescription
+from prime_core.contracts.scene import Scene
+from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
+from prime_envs_robosuite.tasks.subtasks import Subtask
+
+RELEASE_OPENING = 0.06  # from which the fingers, which open to 0.08 m, count as opened [m]
+
+
+class Task(ABC):
+    """A robosuite task as data, and its success check.
+
+    Attributes:
+        words: What is to be done.
+        objects: The objects, in the scene's order.
+        body_names: Their names in robosuite, without the ``_main`` of the body.
+        workspace_low: Lower corner of the gripper's box [m], world frame.
+        workspace_high: Upper corner [m].
+        lift_height: World height at which the gripper travels [m].
+    """
+
+    words: str
+    objects: tuple[ObjectDescription, ...]
+    body_names: tuple[str, ...]
+    workspace_low: tuple[float, float, float]
+    workspace_high: tuple[float, float, float]
+    lift_height: float
+
+    @abstractmethod
+    def make_host(self) -> Any:
+        """Build the robosuite environment that the models come from."""
+
+    @abstractmethod
+    def placements(self, host: Any) -> tuple[Placement, ...]:
+        """Return where each object starts.
+
+        Args:
+            host: What `make_host` built.
+        """
+
+    @abstractmethod
+    def affordances(self) -> tuple[Affordance, ...]:
+        """Return where actions make sense."""
+
+    @abstractmethod
+    def subtasks(self) -> tuple[Subtask, ...]:
+        """Return what a demonstrator does, one after another."""
+
+    @abstractmethod
+    def is_success(self, scene: Scene, touched: bool, motions: Sequence[ObjectMotion]) -> bool:
+        """Whether the task is solved.
+
+        Args:
+            scene: The scene now.
+            touched: Whether a finger touches any of the objects.
+            motions: How each object moves.
+        """
+
+
+def is_let_go(scene: Scene, touched: bool) -> bool:
+    """Whether the gripper is open and touches nothing.
+
+    Args:
+        scene: The scene now.
+        touched: Whether a finger touches any of the objects.
+    """
+    return not touched and scene.gripper_opening > RELEASE_OPENING
+
+
+def sampler_placement(sampler: Any, body: Any) -> Placement:
+    """Read the start region of an object off robosuite's sampler.
+
+    Args:
+        sampler: A robosuite ``UniformRandomSampler`` about z.
+        body: The robosuite object model.
+    """
+    margin = body.horizontal_radius if sampler.ensure_object_boundary_in_range else 0.0
+    x, y, z = (float(value) for value in sampler.reference_pos)
+    return Placement(
+        low=(x + float(min(sampler.x_range)) + margin, y + float(min(sampler.y_range)) + margin),
+        high=(x + float(max(sampler.x_range)) - margin, y + float(max(sampler.y_range)) - margin),
+        height=z + float(sampler.z_offset) - float(body.bottom_offset[-1]),
+        quaternion=tuple(getattr(body, "init_quat", (1.0, 0.0, 0.0, 0.0))),
+    )
