@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from prime_core.collection.episode import collect_episode
 from prime_core.collection.settings import CollectionConfig
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_envs_robosuite.adapter import quiet_robosuite
+from prime_envs_robosuite.tasks.robosuite_import import quiet_robosuite
 from prime_envs_robosuite.config import (
     CleanUpConfig,
     LiftConfig,

@@ -4,8 +4,8 @@ import subprocess
 import sys
 
 from prime_core.checks import check_idm, check_policy
-from prime_policies.mlp_gmm import MlpGmmIdmConfig
-from prime_policies.prime import PrimePolicyConfig
+from prime_policies.idm.config import MlpGmmIdmConfig
+from prime_policies.primitive_policy.config import PrimePolicyConfig
 
 BRIEF = {"hidden_sizes": (16, 16), "steps_per_epoch": 3, "batch_size": 16}
 

@@ -8,7 +8,7 @@ import yaml
 from torch import nn
 
 from prime_core.contracts.description import ObjectDescription, SceneDescription
-from prime_policies.weights import (
+from prime_policies.training.weights import (
     CARD,
     WeightsError,
     check_card,

@@ -9,8 +9,8 @@ import numpy as np
 
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
 from prime_core.contracts.description import ObjectDescription, SceneDescription
-from prime_core.contracts.observations import Frames
-from prime_core.contracts.training import PairData, PolicyData
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.training import CallData, Labels, ModelContext
 from prime_core.rotations import gripper_down, wrap_angle
 
 LOW, HIGH = (-0.1, -0.4, 0.8), (0.3, 0.4, 1.1)
@@ -34,6 +34,7 @@ _POSE = ParameterSpace(
     )
 )
 SPACE = PrimitiveSpace(("reach", "grasp", "place"), (_POSE, _POSE, _POSE))
+CONTEXT = ModelContext(description=DESCRIPTION, space=SPACE, device="cpu")
 
 
 @dataclass
@@ -104,8 +105,13 @@ class World:
         self._move(self.carton + np.array([0.0, 0.0, 0.1]))  # says nothing about the way
         self.calls.append((start, len(self._states) - 1, REACH, np.append(begin, self.yaw)))
 
-    def frames(self) -> Frames:
-        return Frames(np.array(self._states, np.float32), np.array(self._objects, np.float32))
+    def retreat(self) -> None:
+        """Move the empty hand away, up and aside."""
+        aside = self.generator.uniform(-0.05, 0.05, 2)
+        self._move(self.gripper + np.append(aside, 0.06))
+
+    def observations(self) -> Observations:
+        return Observations(np.array(self._states, np.float32), np.array(self._objects, np.float32))
 
     def _move(self, position: np.ndarray) -> None:
         if self.held:
@@ -140,6 +146,26 @@ def pushes(seed: int, count: int) -> World:
     return world
 
 
+def places_with_retreats(seed: int, count: int) -> World:
+    """Return a world after places; every other one is told from after the hand's retreat."""
+    world = World(np.random.default_rng(seed))
+    for number in range(count):
+        world.reset()
+        world.call(GRASP, world.grasp_target())
+        goal = np.array(
+            [world.generator.uniform(0, 0.25), world.generator.uniform(-0.3, 0.3), 0.88]
+        )
+        world.call(PLACE, np.append(goal, world.generator.uniform(-1.0, 1.0)))
+        start, end, primitive, parameters = world.calls.pop()
+        world.calls.pop()
+        if number % 2:
+            end += 2
+            for _ in range(2):
+                world.retreat()
+        world.calls.append((start, end, primitive, parameters))
+    return world
+
+
 def demonstrations(seed: int, episodes: int) -> World:
     """Return a world after grasping the carton and placing it in the bin, in each episode."""
     world = World(np.random.default_rng(seed))
@@ -151,38 +177,37 @@ def demonstrations(seed: int, episodes: int) -> World:
     return world
 
 
-def pair_data(world: World) -> PairData:
+def pair_data(world: World) -> CallData:
     """Return what an inverse dynamics model learns from the calls of a world."""
     pairs, labels, parameters = _calls(world)
-    starts = world.generator.integers(0, len(world.frames()) - 60, len(pairs))
+    seen = world.observations()
+    starts = world.generator.integers(0, len(seen) - 60, len(pairs))
     others = np.stack((starts, starts + world.generator.integers(5, 60, len(pairs))), axis=1)
-    counts = np.bincount(labels, minlength=3)
-    weights = 1.0 / counts[labels]
-    return PairData(
-        frames=world.frames(),
-        type_pairs=np.concatenate((pairs, others)),
-        type_labels=np.concatenate((labels, np.full(len(others), OTHER))),
-        type_weights=np.concatenate((weights, np.full(len(others), 1.0 / len(others)))),
-        parameter_pairs=pairs,
-        parameter_labels=labels,
-        parameters=parameters,
-        parameter_weights=weights,
+    weights = 1.0 / np.bincount(labels, minlength=3)[labels]
+    return CallData(
+        observations=seen,
+        types=Labels(
+            rows=np.concatenate((pairs, others)),
+            classes=np.concatenate((labels, np.full(len(others), OTHER))),
+            weights=np.concatenate((weights, np.full(len(others), 1.0 / len(others)))),
+        ),
+        parameters=Labels(pairs, labels, weights),
+        values=parameters,
     )
 
 
-def policy_data(world: World, augmented: bool = False) -> PolicyData:
+def policy_data(world: World, augmented: bool = False) -> CallData:
     """Return what a policy learns: the call to make at each call's start.
 
     Args:
         world: What was done.
         augmented: Whether the frames on the way are examples too.
     """
-    pairs, labels, parameters = _calls(world)
+    pairs, classes, parameters = _calls(world)
     count = FRAMES_PER_CALL - 1 if augmented else 1
-    frames = (pairs[:, :1] + np.arange(count)).ravel()
-    labels, parameters = labels.repeat(count), parameters.repeat(count, axis=0)
-    weights = np.ones(len(labels))
-    return PolicyData(world.frames(), frames, labels, weights, frames, labels, parameters, weights)
+    rows = (pairs[:, :1] + np.arange(count)).reshape(-1, 1)
+    labels = Labels(rows, classes.repeat(count), np.ones(len(rows)))
+    return CallData(world.observations(), labels, labels, parameters.repeat(count, axis=0))
 
 
 def _calls(world: World) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

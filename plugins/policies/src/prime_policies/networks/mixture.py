@@ -49,3 +49,10 @@ def draw(mixture: Mixture, count: int, generator: np.random.Generator) -> Tensor
     chosen = torch.from_numpy(generator.choice(len(weights), count, p=weights / weights.sum()))
     means, deviations = mixture.means[0, chosen], mixture.deviations[chosen]
     return means + deviations * torch.from_numpy(generator.normal(size=means.shape)).float()
+
+
+def alone(mixture: Mixture, count: int) -> Mixture:
+    """Return a mixture alone in its batch as one for a number of values."""
+    return mixture._replace(
+        logits=mixture.logits.expand(count, -1), means=mixture.means.expand(count, -1, -1)
+    )

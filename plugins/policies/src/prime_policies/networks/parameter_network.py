@@ -12,7 +12,7 @@ from prime_policies.networks.product_mixture import ProductMixture
 from prime_policies.networks.starting import start_components
 from prime_policies.networks.trunk import Trunk
 
-RIDGE = 1e-4  # of the affine map, relative to inputs of unit spread: some inputs are the same
+RIDGES = (1e-5, 1e-3, 1e-1, 10.0)  # for inputs of unit spread; the last leaves a constant
 
 
 class ParameterNetwork(nn.Module):
@@ -76,25 +76,43 @@ class ParameterNetwork(nn.Module):
 
     @torch.no_grad()
     def fit_affine(self, batch: Batch) -> None:
-        """Fit each primitive's affine map by ridge regression.
+        """Fit each primitive's affine map: what the gripper's pose at s' misses the targets by.
 
-        Angles are fitted as turns from the gripper's yaw, which the map is then added to.
+        An arm's controller stops short by a millimetre, in a way that follows from where it is.
         """
         inputs = self.trunk.inputs(batch.features).double()
         for number, mixture in enumerate(self.mixtures):
             rows = batch.labels == number
             if rows.any():
                 targets = batch.targets[rows, : len(mixture.scales)] / mixture.scales
-                rest = targets - mixture.turn_base(batch.poses[rows])
+                rest = targets - mixture.end_of(batch.poses[rows])
                 rest = wrapped(rest, mixture.periods / mixture.scales)
-                mixture.affine.copy_(_ridge(inputs[rows], rest.double()))
+                mixture.affine.copy_(ridge_regression(inputs[rows], rest.double()))
 
 
-def _ridge(inputs: Tensor, targets: Tensor) -> Tensor:
-    """Return constant and coefficients of each target, ``(D, 1 + inputs)``."""
+def ridge_regression(inputs: Tensor, targets: Tensor) -> Tensor:
+    """Fit an affine map, with the ridge that predicts examples best that are left out.
+
+    Args:
+        inputs: ``(n, inputs)``.
+        targets: ``(n, D)``.
+
+    Returns:
+        Constant and coefficients of each target, ``(D, 1 + inputs)``.
+    """
     mean, middle = inputs.mean(dim=0), targets.mean(dim=0)
-    centred = inputs - mean
-    square = centred.T @ centred / len(inputs)
-    square += RIDGE * torch.eye(len(square), dtype=square.dtype)
-    weights = torch.linalg.solve(square, centred.T @ (targets - middle) / len(inputs)).T
-    return torch.cat(((middle - weights @ mean)[:, None], weights), dim=1).float()
+    centred, rest = inputs - mean, targets - middle
+    values, vectors = torch.linalg.eigh(centred.T @ centred / len(inputs))
+    turned = centred @ vectors
+    projected = turned.T @ rest / len(inputs)
+    best, least = vectors.new_zeros(len(values), targets.shape[1]), torch.inf
+    for ridge in RIDGES:
+        shrunk = 1.0 / (values.clamp_min(0.0) + ridge)
+        weights = shrunk[:, None] * projected
+        # Residuals as if each example had been left out (Allen, 1974).
+        leverage = (turned.square() * shrunk).sum(dim=1) / len(inputs) + 1.0 / len(inputs)
+        errors = (rest - turned @ weights) / (1.0 - leverage).clamp_min(1e-3)[:, None]
+        error = float(errors.abs().median(dim=0).values.sum())
+        if error < least:
+            best, least = vectors @ weights, error
+    return torch.cat(((middle - mean @ best)[:, None], best.T), dim=1).float()

@@ -85,28 +85,23 @@ class ProductMixture(nn.Module):
         return Mixture(logits, means, deviations, self.periods / self.scales)
 
     def bases(self, poses: Tensor, inputs: Tensor) -> Tensor:
-        """Return where the origin of each frame puts the targets, over the scales, ``(n, F, D)``."""
-        columns = [_column(self.layout.groups, place) for place in range(len(self.scales))]
-        values = (
-            torch.stack(
-                [
-                    poses[:, :, column] if column is not None else torch.zeros_like(poses[:, :, 0])
-                    for column in columns
-                ],
-                dim=2,
-            )
-            / self.scales
-        )
+        """Return where the frames' origins put the targets, over the scales, ``(n, F, D)``."""
+        values = self._places(poses)
         if self.affine.shape[1] > 1:
             mapped = inputs @ self.affine[:, 1:].T + self.affine[:, 0]
-            mapped = mapped + self.turn_base(poses)
-            values = torch.cat((values, mapped[:, None]), dim=1)
+            values = torch.cat((values, (mapped + self.end_of(poses))[:, None]), dim=1)
         return values
 
-    def turn_base(self, poses: Tensor) -> Tensor:
-        """Return what the affine map adds to: for angles the gripper's yaw at s', ``(n, D)``."""
-        yaw = poses[:, END_FRAME, 3, None] / self.scales
-        return torch.where(self.periods > 0, yaw, 0.0)
+    def end_of(self, poses: Tensor) -> Tensor:
+        """Return the gripper's pose at s' as targets, which the affine map corrects, ``(n, D)``."""
+        return self._places(poses[:, END_FRAME, None])[:, 0]
+
+    def _places(self, poses: Tensor) -> Tensor:
+        """Return poses ``(n, F, 4)`` as targets over the scales, ``(n, F, D)``."""
+        columns = [_column(self.layout.groups, place) for place in range(len(self.scales))]
+        nothing = torch.zeros_like(poses[:, :, 0])
+        values = [nothing if column is None else poses[:, :, column] for column in columns]
+        return torch.stack(values, dim=2) / self.scales
 
     def turned(self, offsets: Tensor, yaws: Tensor, sign: float = 1.0) -> Tensor:
         """Return offsets ``(..., F, D)`` along the axes of frames with yaws ``(n, F)``."""

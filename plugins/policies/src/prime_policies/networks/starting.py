@@ -53,9 +53,8 @@ def start_components(
         starts, frames, deviations = [], [], []
         for number, group in enumerate(groups):
             places = list(group.places)
-            frame, centre, deviation = _tightest(
-                mixture, offsets[near], usable[:, number], places, frame if number == 0 else None
-            )
+            usable_here = usable[:, number]
+            frame, centre, deviation = _tightest(mixture, offsets[near], usable_here, places)
             starts.append(centre)
             frames.append(frame)
             deviations.append(deviation)
@@ -101,7 +100,6 @@ def _tightest(
     offsets: Floats,
     usable: Floats,
     places: list[int],
-    given: int | None,
 ) -> tuple[int, Floats, float]:
     """Return the frame in which offsets gather most, the centre in all frames, the spread there.
 
@@ -110,9 +108,8 @@ def _tightest(
         offsets: Of the examples that a component is for, ``(n, F, D)``.
         usable: Which frames say something of these numbers.
         places: Which numbers.
-        given: The frame, if it is chosen already.
     """
-    frames = np.flatnonzero(usable) if given is None else [given]
+    frames = np.flatnonzero(usable)
     centres = np.zeros((offsets.shape[1], len(places)), dtype=np.float32)
     for frame in np.flatnonzero(usable):
         # The medoid of some examples: a median has no meaning for angles.

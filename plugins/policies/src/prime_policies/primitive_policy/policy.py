@@ -10,12 +10,15 @@ from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
 from prime_core.contracts.observations import Observations
 from prime_core.contracts.policy import PrimitivePolicy
 from prime_policies.networks.classifier import Classifier
-from prime_policies.networks.mixture import Mixture, best_means, draw, log_density
+from prime_policies.networks.mixture import Mixture, alone, draw, log_density
 from prime_policies.networks.parameter_network import ParameterNetwork
 from prime_policies.training.call_examples import CallEncoder
 from prime_policies.training.threads import threads
 
 DRAWS = 50  # of parameters, where the likeliest ones are not wanted
+# Of the log density of rollouts in a call's score. Rollouts hold only what the arm can do there, which
+# thirty demonstrations do not tell and fine-tuning forgets.
+PRIOR_SHARE = 0.3
 
 
 class PrimePolicy(PrimitivePolicy):
@@ -26,6 +29,7 @@ class PrimePolicy(PrimitivePolicy):
         encoder: Of instants.
         classifier: Of the next primitive.
         parameter_network: Of its parameters.
+        prior: Of parameters as they were after pretraining; None without it.
     """
 
     def __init__(
@@ -34,10 +38,12 @@ class PrimePolicy(PrimitivePolicy):
         encoder: CallEncoder,
         classifier: Classifier,
         parameter_network: ParameterNetwork,
+        prior: ParameterNetwork | None,
     ) -> None:
         self._space = space
         self._encoder = encoder
         self._classifier, self._parameter_network = classifier, parameter_network
+        self._prior = prior
 
     def candidates(
         self, seen: Observations, startable: NDArray[np.bool_], generator: np.random.Generator
@@ -45,8 +51,9 @@ class PrimePolicy(PrimitivePolicy):
         """Draw a primitive that can start, and yield its calls, then another one's, and so on.
 
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
-        for ever where it changes nothing. Its calls are the mean of the mixture's weightiest
-        component, then draws from the mixture, the likeliest first.
+        for ever where it changes nothing. Its calls are the best of the components' means, then
+        draws from the mixture, the best first: what is dense among demonstrations, and not rare
+        among rollouts.
         """
         features = torch.from_numpy(self._encoder.features.encode(seen))[None]
         encoded = self._encoder.frames.encode(seen)
@@ -57,25 +64,28 @@ class PrimePolicy(PrimitivePolicy):
         while chances.any():
             label = int(generator.choice(len(chances), p=chances / chances.sum()))
             with threads(), torch.inference_mode():
-                mixture = self._parameter_network(features, poses.float(), label)
-            yield from self._calls(mixture, label, generator)
+                wanted = self._parameter_network(features, poses.float(), label)
+                known = None if self._prior is None else self._prior(features, poses.float(), label)
+            yield from self._calls(wanted, known, label, generator)
             chances[label] = 0.0
 
     def _calls(
-        self, mixture: Mixture, label: int, generator: np.random.Generator
+        self, wanted: Mixture, known: Mixture | None, label: int, generator: np.random.Generator
     ) -> Iterator[PrimitiveCall]:
+        """Yield the best of the components' means, then draws, the best first."""
         name, layout = self._space.names[label], self._encoder.layouts[label]
-        for propose in (best_means, lambda item: _likeliest_draws(item, generator)):
+        for source in (_means, lambda mixture: draw(mixture, DRAWS, generator)):
             with threads(), torch.inference_mode():
-                targets = propose(mixture).numpy().astype(np.float64) * layout.scales
-            for parameters in layout.parameters(targets):
+                values = source(wanted)
+                scores = log_density(alone(wanted, len(values)), values)
+                if known is not None:
+                    scores += PRIOR_SHARE * log_density(alone(known, len(values)), values)
+                ordered = values[scores.argsort(descending=True, stable=True)]
+            targets = ordered.numpy().astype(np.float64) * layout.scales
+            for parameters in layout.parameters(targets[: 1 if source is _means else DRAWS]):
                 yield PrimitiveCall(name, parameters)
 
 
-def _likeliest_draws(mixture: Mixture, generator: np.random.Generator) -> torch.Tensor:
-    """Return draws from a mixture alone in its batch, the densest first, ``(DRAWS, D)``."""
-    values = draw(mixture, DRAWS, generator)
-    batch = mixture._replace(
-        logits=mixture.logits.expand(DRAWS, -1), means=mixture.means.expand(DRAWS, -1, -1)
-    )
-    return values[log_density(batch, values).argsort(descending=True, stable=True)]
+def _means(mixture: Mixture) -> torch.Tensor:
+    """Return the means of a mixture alone in its batch, of components that take part, ``(k, D)``."""
+    return mixture.means[0][mixture.logits[0] > -torch.inf]

@@ -5,9 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 from prime_core.contracts.description import ObjectDescription, SceneDescription
-from prime_core.contracts.observations import Frames
-from prime_core.features import FeatureEncoder, gripper_yaw
+from prime_core.contracts.observations import Observations
 from prime_core.rotations import gripper_down, quaternion_product
+from prime_policies.networks.scene_features import FeatureEncoder, gripper_yaw
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def features(
     rows = []
     for item, quaternion in zip(DESCRIPTION.objects, (carton, nut, can), strict=True):
         rows += [0.5, 0.1, 0.2, *quaternion, float(item.name == held)]
-    frames = Frames(state[None].astype(np.float32), np.array(rows, dtype=np.float32)[None])
+    frames = Observations(state[None].astype(np.float32), np.array(rows, dtype=np.float32)[None])
     return dict(zip(ENCODER.names, ENCODER.encode(frames)[0].tolist(), strict=True))
 
 
@@ -147,7 +147,7 @@ def test_many_frames_are_encoded_as_each_alone() -> None:
     state[:, 3:7] = gripper_down(generator.uniform(-3, 3, 70_000))
     objects = np.zeros((70_000, DESCRIPTION.environment_state_width), np.float32)
     objects[:, 3:7] = objects[:, 11:15] = objects[:, 19:23] = quaternions
-    frames = Frames(state, objects)
+    frames = Observations(state, objects)
     encoded = ENCODER.encode(frames)
     assert encoded.dtype == np.float32 and encoded.shape == (70_000, ENCODER.width)
     for index in (0, 65_535, 65_536, 69_999):
@@ -158,11 +158,11 @@ def test_many_frames_are_encoded_as_each_alone() -> None:
 def test_gripper_yaw_is_that_of_the_state() -> None:
     state = np.zeros((2, DESCRIPTION.state_width), np.float32)
     state[:, 3:7] = gripper_down([0.4, -2.9])
-    frames = Frames(state, np.zeros((2, DESCRIPTION.environment_state_width), np.float32))
+    frames = Observations(state, np.zeros((2, DESCRIPTION.environment_state_width), np.float32))
     np.testing.assert_allclose(gripper_yaw(frames), [0.4, -2.9], atol=1e-6)
 
 
 def test_no_frames_have_no_features() -> None:
     state = np.zeros((0, DESCRIPTION.state_width), np.float32)
-    none = Frames(state, np.zeros((0, DESCRIPTION.environment_state_width), np.float32))
+    none = Observations(state, np.zeros((0, DESCRIPTION.environment_state_width), np.float32))
     assert ENCODER.encode(none).shape == (0, ENCODER.width)
