@@ -1,6 +1,7 @@
 """Environments that the tests of this folder share, and a hand that drives them."""
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.rotations import wrap_angle, yaw_of
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
+from prime_envs_robosuite.demonstrators.styles import NOVICE, StyleRanges
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 GAIN = 3.0  # the controller covers about a third of the commanded distance in a step
@@ -75,6 +77,11 @@ def last_state(
     for action in actions:
         environment.step(action)
     return environment.get_state()
+
+
+def novice_but(**changed: Any) -> StyleRanges:
+    """Return the novice's style with other ranges, checked as settings are."""
+    return StyleRanges.model_validate(NOVICE.model_dump() | changed)
 
 
 def put(environment: RobosuiteEnvironment, *positions: ArrayLike, speed: float = 0.0) -> None:

@@ -39,7 +39,7 @@ def onto_popcorn() -> Iterator[RobosuiteEnvironment]:
 
 
 @pytest.mark.parametrize("variant", ["bin", "stack"])
-def test_each_variant_keeps_the_contract_and_asks_for_both_jobs(variant: Variant) -> None:
+def test_each_variant_keeps_the_contract_and_asks_for_both_subtasks(variant: Variant) -> None:
     environment = build(variant)
     check_environment(environment)
     for seed in range(50):

@@ -62,7 +62,7 @@ def joint_states(
 
 
 @pytest.mark.parametrize(("path", "name", "count"), RECORDED)
-def test_what_people_recorded_comes_in(path: Path, name: str, count: int) -> None:
+def test_human_demonstrations_come_in(path: Path, name: str, count: int) -> None:
     if not path.is_file():
         pytest.skip(f"{path} is not there: it is not part of the project")
     source = RobosuiteHdf5Config(path=path, episodes=(name,))

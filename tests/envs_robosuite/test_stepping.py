@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from prime_core.errors import PrimeError
-from prime_envs_robosuite import control_law
 from prime_envs_robosuite.config import (
     CleanUpConfig,
     LiftConfig,
@@ -21,7 +20,8 @@ from prime_envs_robosuite.config import (
     TidyUpConfig,
 )
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.tasks.robosuite_import import check_control_law
+from prime_envs_robosuite.simulation import control_law
+from prime_envs_robosuite.simulation.stepping import check_control_law
 
 from .conftest import CLOSE, Hand, far_apart, last_state, random_actions, settled
 

@@ -11,7 +11,7 @@ from prime_core.errors import PrimeError
 from prime_core.rotations import yaw_of
 from prime_envs_robosuite.config import TidyUpConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.tasks.task import Placement
+from prime_envs_robosuite.simulation.objects import Placement
 from prime_envs_robosuite.tasks.tidy_up import LAYOUTS, TidyUpTask, Variant
 
 from .conftest import Hand, far_apart, last_state, put, random_actions

@@ -11,7 +11,9 @@ from prime_envs_robosuite.config import RobosuiteConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 ACTION_WIDTH = 5
-SOLVED_FRAMES = 1
+# In a row with the task solved, after which a demonstration ends (0.25 s). What passes a goal by
+# does not count, and fingers that let go are all but open by then; the retreat has not begun.
+SOLVED_FRAMES = 5
 
 
 def build_for_recording(environment: EnvironmentConfig, source: str) -> RobosuiteEnvironment:
@@ -93,7 +95,7 @@ class Recorder:
         )
 
     def _count_until_solved(self) -> int:
-        """Return how many frames there are until the task has been solved for a while."""
+        """Return how many frames there are until the task stays solved; all if it never does."""
         in_a_row = 0
         for index, solved in enumerate(self._solved):
             in_a_row = in_a_row + 1 if solved else 0

@@ -90,9 +90,8 @@ class Pusher:
                 break
             # Before they touch it, its size says where the fingers will.
             behind = float((spot - scene.gripper_position[:2]) @ direction)
-            goal = np.append(
-                spot + (left - min(behind, subtask.touching)) * direction, subtask.height
-            )
+            farther = left - min(behind, subtask.touching)
+            goal = np.append(spot + farther * direction, subtask.height)
             scene = yield from self._gripper.move(scene, goal, scene.gripper_yaw, STRAIGHT)
         return scene
 

@@ -1,4 +1,4 @@
-"""Where simulated people put their hand to take something: where it has room."""
+"""Where the simulated teleoperator grasps: where the hand has room."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,7 +14,9 @@ from prime_envs_robosuite.demonstrators.grasp_choice import choose_grasp
 from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.tasks.subtasks import PutInto
-from prime_envs_robosuite.tasks.table_top import BIN_HEIGHT, TABLE_TOP
+from prime_envs_robosuite.tasks.table_top_objects import BIN_HEIGHT, TABLE_TOP
+
+from .conftest import novice_but
 
 SMALL, OTHER, LARGE = 0, 1, 2
 AWAY = np.array([[-0.12, 0.0], [0.1, 0.2], [0.1, 0.0]])  # x and y of each box [m]
@@ -35,20 +37,21 @@ def put(scene: Scene, places: np.ndarray, yaws: tuple[float, float, float]) -> S
     nothing = np.zeros(3)
     quaternions = np.stack((np.cos(half), nothing, nothing, np.sin(half)), axis=1)
     positions = np.column_stack((places, scene.object_positions[:, 2]))
-    return replace(scene, object_positions=positions, object_quaternions=quaternions)
+    objects = replace(scene.known_objects, positions=positions, quaternions=quaternions)
+    return replace(scene, objects=objects)
 
 
-def job_of(environment: RobosuiteEnvironment, name: str) -> PutInto:
-    (job,) = [item for item in environment.task.jobs() if item.object_name == name]
-    assert isinstance(job, PutInto)
-    return job
+def subtask_of(environment: RobosuiteEnvironment, name: str) -> PutInto:
+    (subtask,) = [item for item in environment.task.subtasks() if item.object_name == name]
+    assert isinstance(subtask, PutInto)
+    return subtask
 
 
 def grasps(environment: RobosuiteEnvironment, scene: Scene, name: str) -> np.ndarray:
     """Return the yaws of many grasps of an object [rad], ``(30,)``."""
     draws = np.random.default_rng(0)
-    job = job_of(environment, name)
-    return np.array([choose_grasp(scene, job, 0.3, draws)[1] for _ in range(30)])
+    subtask = subtask_of(environment, name)
+    return np.array([choose_grasp(scene, subtask, draws)[1] for _ in range(30)])
 
 
 def test_alone_a_box_is_gripped_across_either_side(tidy_up: RobosuiteEnvironment) -> None:
@@ -77,12 +80,13 @@ def test_beside_a_wall_a_box_is_gripped_at_its_corners(tidy_up: RobosuiteEnviron
     assert np.abs(yaws).min() > 0.9
 
 
-def test_people_who_look_again_are_nearer_when_they_grip() -> None:
+def test_who_looks_again_is_nearer_when_the_gripper_closes() -> None:
     def misses(grip_within: float | None) -> list[float]:
-        people = SimulatedTeleoperatorConfig(grip_within=grip_within, miss_share=0.0, flow=(1, 1))
+        style = novice_but(miss_share=0.0, flow=(1, 1))
+        demonstrator = SimulatedTeleoperatorConfig(grip_within=grip_within, style=style)
         found = []
         for index in range(4):
-            shown = people.demonstrate(LiftConfig(), index, 0)
+            shown = demonstrator.demonstrate(LiftConfig(), index, 0)
             closing = int(np.flatnonzero(shown.actions[:, 4] > 0)[0])
             cube = shown.observations.environment_state[closing, :2]
             found.append(float(np.linalg.norm(shown.observations.state[closing, :2] - cube)))
@@ -91,7 +95,7 @@ def test_people_who_look_again_are_nearer_when_they_grip() -> None:
     assert np.mean(misses(0.004)) < np.mean(misses(None))
 
 
-def test_people_who_cannot_be_exact_enough_give_up() -> None:
-    people = SimulatedTeleoperatorConfig(grip_within=1e-5, attempts=2)
+def test_who_cannot_be_exact_enough_gives_up() -> None:
+    demonstrator = SimulatedTeleoperatorConfig(grip_within=1e-5, attempts=2)
     with pytest.raises(PrimeError, match="no demonstration 0 of seed 0 succeeded in 2 attempts"):
-        people.demonstrate(LiftConfig(), 0, 0)
+        demonstrator.demonstrate(LiftConfig(), 0, 0)

@@ -1,4 +1,4 @@
-"""Jobs that no environment of the pack asks for yet, and several in a row."""
+"""Subtasks that no environment of the pack asks for yet, and several in a row."""
 
 from collections.abc import Iterator
 
@@ -10,16 +10,18 @@ from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedT
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.tasks.lift import CUBE_HALF_SIZE, TABLE_TOP, LiftTask
 from prime_envs_robosuite.tasks.subtasks import (
+    ArmReach,
     HoldUp,
-    Job,
     Push,
     PutInto,
     PutOnto,
-    Reach,
+    Subtask,
     in_opposite_order,
 )
 
-ANYWHERE = Reach(base=(-0.56, 0.0), distance=0.78)
+from .conftest import novice_but
+
+ANYWHERE = ArmReach(base=(-0.56, 0.0), distance=0.78)
 LYING = TABLE_TOP + CUBE_HALF_SIZE
 PUSH = Push(
     object_name="cube",
@@ -30,9 +32,9 @@ PUSH = Push(
     height=LYING,
 )
 PUT = PutInto(object_name="cube", low=(-0.15, -0.2), high=(-0.1, -0.15), reach=ANYWHERE)
-PEOPLE = SimulatedTeleoperatorConfig()
+NOVICES = SimulatedTeleoperatorConfig()
 FLUENT = SimulatedTeleoperatorConfig(
-    ramp=(0.3, 0.3), turn_speed=(1.5, 1.5), flow=(1.0, 1.0), miss_share=0.0
+    style=novice_but(ramp=(0.3, 0.3), turn_speed=(1.5, 1.5), flow=(1.0, 1.0), miss_share=0.0)
 )
 
 
@@ -45,15 +47,16 @@ def table() -> Iterator[RobosuiteEnvironment]:
 
 def perform(
     environment: RobosuiteEnvironment,
-    jobs: tuple[Job, ...],
+    subtasks: tuple[Subtask, ...],
     seed: int,
-    people: SimulatedTeleoperatorConfig = PEOPLE,
+    demonstrator: SimulatedTeleoperatorConfig = NOVICES,
 ) -> list[Scene]:
-    """Let a person do jobs; return the scenes that they saw."""
+    """Let the teleoperator do subtasks; return the scenes that it saw."""
     environment.reset(seed=seed)
-    person = people.draw_person(jobs, environment.scene(), np.random.default_rng(seed))
+    generator = np.random.default_rng(seed)
+    operator = demonstrator.draw_operator(subtasks, environment.scene(), generator)
     scenes = [environment.scene()]
-    doing = person.perform(scenes[0])
+    doing = operator.perform(scenes[0])
     action = next(doing, None)
     while action is not None:
         environment.step(action)
@@ -89,7 +92,7 @@ def test_a_cube_is_pushed_over_the_table(table: RobosuiteEnvironment, seed: int)
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_jobs_are_done_one_after_another(table: RobosuiteEnvironment, seed: int) -> None:
+def test_subtasks_are_done_one_after_another(table: RobosuiteEnvironment, seed: int) -> None:
     onto = PutOnto(
         object_name="cube",
         point=(0.05, 0.05, LYING),
@@ -126,26 +129,26 @@ def test_an_object_is_put_where_its_centre_should_be(table: RobosuiteEnvironment
 
 def test_the_fluent_lift_and_carry_without_a_stop(table: RobosuiteEnvironment) -> None:
     slowest = {}
-    for people in (PEOPLE, FLUENT):
-        scenes = perform(table, (PUT,), 1, people)
+    for demonstrator in (NOVICES, FLUENT):
+        scenes = perform(table, (PUT,), 1, demonstrator)
         carried = np.array([scene.gripper_position for scene in scenes if scene.held == "cube"])
         far = np.linalg.norm(carried[:, :2] - carried[0, :2], axis=1)
         lifted = carried[:, 2] > carried[0, 2] + 0.03
         on_the_way = carried[lifted & (far < 0.8 * far[-1])]
         speeds = np.linalg.norm(np.diff(on_the_way, axis=0), axis=1)
-        slowest[people is FLUENT] = speeds.min()
+        slowest[demonstrator is FLUENT] = speeds.min()
         assert cube(scenes[-1])[2] == pytest.approx(LYING, abs=2e-3)
     assert slowest[False] < 0.001  # 2 cm/s
     assert slowest[True] > 0.004
 
 
-def test_the_fluent_go_from_one_job_to_the_next_and_are_done_sooner(
+def test_the_fluent_go_from_one_subtask_to_the_next_and_are_done_sooner(
     table: RobosuiteEnvironment,
 ) -> None:
     steps = {}
-    for people in (PEOPLE, FLUENT):
-        scenes = perform(table, (PUSH, PUT), 0, people)
-        steps[people is FLUENT] = len(scenes)
+    for demonstrator in (NOVICES, FLUENT):
+        scenes = perform(table, (PUSH, PUT), 0, demonstrator)
+        steps[demonstrator is FLUENT] = len(scenes)
         assert scenes[-1].held is None
         assert np.allclose(cube(scenes[-1])[:2], [-0.125, -0.175], atol=0.05)
     assert steps[True] < 0.75 * steps[False]

@@ -1,4 +1,4 @@
-"""The simulated people do the tasks, and not as a primitive would."""
+"""The simulated teleoperator does the tasks, and not as a primitive would."""
 
 from pathlib import Path
 from typing import Literal
@@ -16,20 +16,23 @@ from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlace
 from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
+from .conftest import novice_but
+
 SEED = 3
 SLOW = 0.005 / 20  # 5 mm/s, per step [m]
-PEOPLE = SimulatedTeleoperatorConfig()
+# Whole, with what comes after the task is solved; where they end else is in test_recorder.py.
+WHOLE = SimulatedTeleoperatorConfig(ends_when_solved=False)
 EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 
 
 @pytest.fixture(scope="module")
 def milk_shown() -> list[Demonstration]:
-    return [PEOPLE.demonstrate(PickPlaceConfig(), index, SEED) for index in range(3)]
+    return [WHOLE.demonstrate(PickPlaceConfig(), index, SEED) for index in range(3)]
 
 
 @pytest.fixture(scope="module")
 def lift_shown() -> list[Demonstration]:
-    return [PEOPLE.demonstrate(LiftConfig(), index, SEED) for index in range(3)]
+    return [WHOLE.demonstrate(LiftConfig(), index, SEED) for index in range(3)]
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +105,7 @@ def test_a_nut_ends_around_its_peg_let_go_of(kind: Literal["round", "square"]) -
     settings = NutAssemblyConfig(nut=kind)
     environment = settings.build()
     for index in range(2):
-        shown = PEOPLE.demonstrate(settings, index, SEED)
+        shown = WHOLE.demonstrate(settings, index, SEED)
         assert shown.task == f"put the {kind} nut around its peg"
         environment.set_state(states(shown)[-1])
         assert environment.is_success()
@@ -130,7 +133,7 @@ def test_the_stored_actions_lead_through_the_stored_states(
 
 
 def test_seed_and_index_decide_to_the_bit(milk_shown: list[Demonstration]) -> None:
-    again = PEOPLE.demonstrate(PickPlaceConfig(), 1, SEED)
+    again = WHOLE.demonstrate(PickPlaceConfig(), 1, SEED)
     assert np.array_equal(states(again), states(milk_shown[1]))
     assert np.array_equal(again.actions, milk_shown[1].actions)
     assert np.array_equal(again.observations.state, milk_shown[1].observations.state)
@@ -138,18 +141,18 @@ def test_seed_and_index_decide_to_the_bit(milk_shown: list[Demonstration]) -> No
 
 def test_cameras_and_horizon_do_not_matter(lift_shown: list[Demonstration]) -> None:
     settings = LiftConfig(cameras=("agentview",), horizon=20)
-    again = PEOPLE.demonstrate(settings, 0, SEED)
+    again = WHOLE.demonstrate(settings, 0, SEED)
     assert np.array_equal(states(again), states(lift_shown[0]))
 
 
 def test_indices_and_seeds_differ(lift_shown: list[Demonstration]) -> None:
     starts = [object_path(shown)[0, :2] for shown in lift_shown]
-    starts.append(object_path(PEOPLE.demonstrate(LiftConfig(), 0, SEED + 1))[0, :2])
+    starts.append(object_path(WHOLE.demonstrate(LiftConfig(), 0, SEED + 1))[0, :2])
     gaps = [np.abs(a - b).max() for i, a in enumerate(starts) for b in starts[:i]]
     assert min(gaps) > 1e-4
 
 
-def test_people_pause(all_shown: list[Demonstration]) -> None:
+def test_there_are_pauses(all_shown: list[Demonstration]) -> None:
     for shown in all_shown:
         steps = np.linalg.norm(np.diff(gripper_path(shown), axis=0), axis=1)
         slow = steps < SLOW
@@ -159,7 +162,7 @@ def test_people_pause(all_shown: list[Demonstration]) -> None:
         assert (pauses >= 4).sum() >= 3
 
 
-def test_carried_objects_go_in_curves_at_the_persons_pace(
+def test_carried_objects_go_in_curves_at_an_own_pace(
     milk_shown: list[Demonstration],
 ) -> None:
     paces = []
@@ -174,14 +177,14 @@ def test_carried_objects_go_in_curves_at_the_persons_pace(
 
 
 def test_a_first_miss_is_mended() -> None:
-    clumsy = SimulatedTeleoperatorConfig(miss_share=1.0)
+    clumsy = SimulatedTeleoperatorConfig(style=novice_but(miss_share=1.0))
     shown = clumsy.demonstrate(LiftConfig(), 0, SEED)
     assert closings(shown) >= 2
     assert held(shown)[-1]
 
 
 def test_the_other_groceries_can_be_shown() -> None:
-    shown = PEOPLE.demonstrate(PickPlaceConfig(object="cereal"), 0, SEED)
+    shown = WHOLE.demonstrate(PickPlaceConfig(object="cereal"), 0, SEED)
     assert shown.task == "put the cereal into its bin"
     assert not held(shown)[-1]
 
@@ -207,14 +210,14 @@ def test_a_foreign_environment_is_refused() -> None:
             raise AssertionError
 
     with pytest.raises(PrimeError, match="it cannot in ElsewhereConfig"):
-        PEOPLE.demonstrate(ElsewhereConfig(), 0, SEED)
+        WHOLE.demonstrate(ElsewhereConfig(), 0, SEED)
 
 
-def test_nobody_grips_a_box_by_its_edge_because_a_bin_is_in_the_way() -> None:
+def test_no_box_is_gripped_by_its_edge_because_a_bin_is_in_the_way() -> None:
     path = Path(__file__).parents[2] / "experiments" / "tidy_up.yaml"
-    people = read_experiment(path).demonstrations
+    demonstrator = read_experiment(path).demonstrations
     for index in range(3):
-        frames = people.demonstrate(TidyUpConfig(), index, 0).observations
+        frames = demonstrator.demonstrate(TidyUpConfig(), index, 0).observations
         objects = frames.environment_state.reshape(len(frames), -1, 8)
         for box in (0, 1):
             first = int(np.argmax(objects[:, box, 7] > 0.5))
@@ -225,10 +228,10 @@ def test_nobody_grips_a_box_by_its_edge_because_a_bin_is_in_the_way() -> None:
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_either_small_box_may_be_taken_first_if_they_lie_apart(share: float) -> None:
     experiment = read_experiment(EXPERIMENTS / "tidy_up.yaml")
-    people = experiment.demonstrations.model_copy(update={"other_order_share": share})
+    demonstrator = experiment.demonstrations.model_copy(update={"other_order_share": share})
     apart = []
     for index in range(3):
-        frames = people.demonstrate(TidyUpConfig(), index, 0).observations
+        frames = demonstrator.demonstrate(TidyUpConfig(), index, 0).observations
         boxes = frames.environment_state.reshape(len(frames), -1, 8)[:, :2]
         first = (boxes[:, :, 7] > 0.5).argmax(axis=0)
         apart.append(float(np.linalg.norm(np.diff(boxes[0, :, :2], axis=0))) > 0.1)
@@ -238,35 +241,36 @@ def test_either_small_box_may_be_taken_first_if_they_lie_apart(share: float) -> 
 
 def test_a_range_must_be_in_order() -> None:
     with pytest.raises(ValidationError, match=r"0 <= low <= high; found \[0.3, 0.1\]"):
-        SimulatedTeleoperatorConfig(speed=(0.3, 0.1))
+        novice_but(speed=(0.3, 0.1))
     with pytest.raises(ValidationError, match=r"0 <= low <= high; found \[500, 150\]"):
         SimulatedTeleoperatorConfig(steps=(500, 150))
 
 
 def test_more_than_all_movements_cannot_flow() -> None:
     with pytest.raises(ValidationError, match="shares are at most 1"):
-        SimulatedTeleoperatorConfig(flow=(0.5, 1.5))
+        novice_but(flow=(0.5, 1.5))
 
 
 @pytest.mark.parametrize("setting", ["speed", "ramp", "turn_speed"])
-def test_nobody_moves_at_no_speed(setting: str) -> None:
+def test_no_style_moves_at_no_speed(setting: str) -> None:
     with pytest.raises(ValidationError, match=r"are above 0; found \[0.0, 0.2\]"):
-        SimulatedTeleoperatorConfig.model_validate({setting: (0.0, 0.2)})
+        novice_but(**{setting: (0.0, 0.2)})
 
 
 def test_no_planner_is_at_work() -> None:
     import prime_envs_robosuite
 
-    folder = Path(prime_envs_robosuite.__path__[0])
-    for path in folder.glob("teleoperator*.py"):
-        source = path.read_text()
+    folder = Path(prime_envs_robosuite.__path__[0]) / "demonstrators"
+    sources = [path.read_text() for path in folder.rglob("*.py")]
+    assert len(sources) > 5
+    for source in sources:
         assert "prime_primitives" not in source
         assert "mink" not in source
 
 
 @pytest.mark.slow
 def test_thirty_demonstrations_have_a_second_grasp_among_them() -> None:
-    shown = [PEOPLE.demonstrate(PickPlaceConfig(), index, 0) for index in range(30)]
+    shown = [WHOLE.demonstrate(PickPlaceConfig(), index, 0) for index in range(30)]
     assert 250 < np.mean([item.steps for item in shown]) < 380
     assert any(closings(item) >= 2 for item in shown)
     ends = np.array([object_path(item)[-1, :2] for item in shown])
@@ -277,7 +281,8 @@ def test_thirty_demonstrations_have_a_second_grasp_among_them() -> None:
 @pytest.mark.parametrize(("name", "paper"), [("nut_assembly", 232), ("tidy_up", 403)])
 def test_thirty_demonstrations_take_as_long_as_the_papers(name: str, paper: int) -> None:
     experiment = read_experiment(EXPERIMENTS / f"{name}.yaml")
-    people, settings = experiment.demonstrations, experiment.environment
-    steps = [people.demonstrate(settings, index, 0).steps for index in range(30)]
+    whole = experiment.demonstrations.model_copy(update={"ends_when_solved": False})
+    settings = experiment.environment
+    steps = [whole.demonstrate(settings, index, 0).steps for index in range(30)]
     assert np.mean(steps) == pytest.approx(paper, rel=0.1)
     assert np.std(steps) > 0.08 * paper
