@@ -51,8 +51,16 @@ def draw(mixture: Mixture, count: int, generator: np.random.Generator) -> Tensor
     return means + deviations * torch.from_numpy(generator.normal(size=means.shape)).float()
 
 
-def alone(mixture: Mixture, count: int) -> Mixture:
-    """Return a mixture alone in its batch as one for a number of values."""
-    return mixture._replace(
-        logits=mixture.logits.expand(count, -1), means=mixture.means.expand(count, -1, -1)
+def log_mass(mixture: Mixture, values: Tensor, width: float) -> Tensor:
+    """Return how much of a mixture alone in its batch lies near values ``(n, D)``, ``(n,)``.
+
+    The log density of the mixture blurred by a width: where components are narrower than what
+    matters, the density itself would prefer the narrowest, however little it weighs.
+    """
+    count = len(values)
+    blurred = mixture._replace(
+        logits=mixture.logits.expand(count, -1),
+        means=mixture.means.expand(count, -1, -1),
+        deviations=(mixture.deviations.square() + width**2).sqrt(),
     )
+    return log_density(blurred, values)

@@ -54,14 +54,21 @@ class ProductMixture(nn.Module):
         super().__init__()
         self.layout = layout
         self.minimum_deviation = minimum_deviation
-        width, count = len(layout.scales), len(frames) + bool(affine_inputs)
+        planes = [group.places for group in layout.groups if group.kind == "plane"]
+        self.planes = planes
+        objects = [number for number, frame in enumerate(frames) if frame.is_object]
+        self.directed = objects if len(planes) == 2 else []
+        width = len(layout.scales)
+        count = len(frames) + bool(affine_inputs) + len(self.directed)
         self.group_of = [0] * width
         for number, group in enumerate(layout.groups):
             for place in group.places:
                 self.group_of[place] = number
         self.register_buffer("scales", torch.tensor(layout.scales, dtype=torch.float32))
         self.register_buffer("periods", torch.tensor(layout.periods, dtype=torch.float32))
-        self.register_buffer("usable", _usable(layout.groups, frames, bool(affine_inputs)))
+        self.register_buffer(
+            "usable", _usable(layout.groups, frames, bool(affine_inputs), len(self.directed))
+        )
         self.register_buffer("active", torch.ones(components))
         self.register_buffer("affine", torch.zeros(width, affine_inputs + 1))
         # Offsets are in units of the scales, so that all are learnt at one rate.
@@ -78,7 +85,7 @@ class ProductMixture(nn.Module):
             inputs: The trunk's inputs, ``(n, inputs)``, for the affine map.
         """
         precisions = self._precisions()
-        means = self._means(self.bases(poses, inputs), poses[:, :, 3], precisions)
+        means = self._means(poses, self.bases(poses, inputs), precisions)
         total = precisions.sum(dim=1)[:, self.group_of]
         deviations = (1.0 / total.sqrt()).clamp_min(self.minimum_deviation)
         logits = self.head(hidden).masked_fill(self.active == 0, -torch.inf)
@@ -90,7 +97,7 @@ class ProductMixture(nn.Module):
         if self.affine.shape[1] > 1:
             mapped = inputs @ self.affine[:, 1:].T + self.affine[:, 0]
             values = torch.cat((values, (mapped + self.end_of(poses))[:, None]), dim=1)
-        return values
+        return torch.cat((values, values[:, self.directed]), dim=1)
 
     def end_of(self, poses: Tensor) -> Tensor:
         """Return the gripper's pose at s' as targets, which the affine map corrects, ``(n, D)``."""
@@ -103,40 +110,63 @@ class ProductMixture(nn.Module):
         values = [nothing if column is None else poses[:, :, column] for column in columns]
         return torch.stack(values, dim=2) / self.scales
 
+    def yaws(self, poses: Tensor, bases: Tensor, ends: Tensor) -> Tensor:
+        """Return the yaws of the frames' axes [rad], ``(n, K, F)``.
+
+        Those of objects also stand towards where a push ends: a push starts behind its object, seen
+        from there.
+
+        Args:
+            poses: ``(n, frames, 4)``.
+            bases: ``(n, F, D)``.
+            ends: Where the second point is, over the scales, ``(n, K, 2)``.
+        """
+        own = poses[:, None, :, 3].expand(-1, ends.shape[1], -1)
+        nothing = own[:, :, :1] * 0.0 if self.affine.shape[1] > 1 else own[:, :, :0]
+        if not self.directed:
+            return torch.cat((own, nothing), dim=2)
+        first, second = (list(places) for places in self.planes)
+        origins = bases[:, self.directed][:, :, first] * self.scales[first]
+        way = (ends * self.scales[second])[:, :, None] - origins[:, None]
+        return torch.cat((own, nothing, torch.atan2(way[..., 1], way[..., 0])), dim=2)
+
     def turned(self, offsets: Tensor, yaws: Tensor, sign: float = 1.0) -> Tensor:
-        """Return offsets ``(..., F, D)`` along the axes of frames with yaws ``(n, F)``."""
-        result = offsets.expand(*yaws.shape[:1], *offsets.shape[-3:]).clone()
-        yaws = yaws[:, None] if result.dim() == 4 else yaws
-        count = yaws.shape[-1]  # the affine map has no axes of its own
+        """Return offsets ``(n or 1, K, F, D)`` along the axes of frames with yaws ``(n, K, F)``."""
         cosine, sine = yaws.cos(), sign * yaws.sin()
-        for group in self.layout.groups:
-            if group.kind == "plane":
-                x, y = group.places
-                along, across = offsets[..., :count, x], offsets[..., :count, y]
-                result[..., :count, x] = cosine * along - sine * across
-                result[..., :count, y] = sine * along + cosine * across
-        return result
+        columns = list(offsets.expand(len(yaws), -1, -1, -1).unbind(dim=-1))
+        for x, y in self.planes:
+            along, across = columns[x], columns[y]
+            columns[x] = cosine * along - sine * across
+            columns[y] = sine * along + cosine * across
+        return torch.stack(columns, dim=-1)
 
     def _precisions(self) -> Tensor:
         """Return the precisions, 0 where a frame says nothing of a group, ``(K, F, groups)``."""
         largest = math.log(LARGEST / self.minimum_deviation**2)
         return self.log_precisions.clamp_max(largest).exp() * self.usable
 
-    def _means(self, bases: Tensor, yaws: Tensor, precisions: Tensor) -> Tensor:
+    def _means(self, poses: Tensor, bases: Tensor, precisions: Tensor) -> Tensor:
         """Return the means of the products ``(n, K, D)``, over the scales."""
-        points = bases[:, None] + self.turned(self.offsets, yaws)
         weights = precisions / precisions.sum(dim=1, keepdim=True).clamp_min(1e-9)
-        parts = []
-        for place, group in enumerate(self.group_of):
-            weight, values = weights[:, :, group], points[..., place]
-            period = float(self.periods[place] / self.scales[place])
-            if period:
-                angles = values * (2 * math.pi / period)
-                sine, cosine = (weight * angles.sin()).sum(-1), (weight * angles.cos()).sum(-1)
-                parts.append(torch.atan2(sine, cosine + 1e-9) * (period / (2 * math.pi)))
-            else:
-                parts.append((weight * values).sum(-1))
-        return torch.stack(parts, dim=-1)
+        nowhere = bases.new_zeros(len(bases), len(self.offsets), 2)
+        points = bases[:, None] + self.turned(self.offsets[None], self.yaws(poses, bases, nowhere))
+        if self.directed:
+            x, y = self.planes[1]
+            ends = torch.stack([self._mean(points, weights, place) for place in (x, y)], dim=-1)
+            yaws = self.yaws(poses, bases, ends)
+            points = bases[:, None] + self.turned(self.offsets[None], yaws)
+        places = range(len(self.group_of))
+        return torch.stack([self._mean(points, weights, place) for place in places], dim=-1)
+
+    def _mean(self, points: Tensor, weights: Tensor, place: int) -> Tensor:
+        """Return the weighted mean of a number over the frames, ``(n, K)``."""
+        weight, values = weights[:, :, self.group_of[place]], points[..., place]
+        period = float(self.periods[place] / self.scales[place])
+        if not period:
+            return (weight * values).sum(-1)
+        angles = values * (2 * math.pi / period)
+        sine, cosine = (weight * angles.sin()).sum(-1), (weight * angles.cos()).sum(-1)
+        return torch.atan2(sine, cosine + 1e-9) * (period / (2 * math.pi))
 
     @torch.no_grad()
     def start_component(
@@ -162,7 +192,9 @@ class ProductMixture(nn.Module):
             self.log_precisions[component, frames[number], number] = -2 * math.log(deviation)
 
 
-def _usable(groups: Sequence[Group], frames: Sequence[ReferenceFrame], affine: bool) -> Tensor:
+def _usable(
+    groups: Sequence[Group], frames: Sequence[ReferenceFrame], affine: bool, directed: int
+) -> Tensor:
     """Return which frames say something of which group, 1 or 0, ``(F, groups)``."""
     rows = [
         [
@@ -176,6 +208,7 @@ def _usable(groups: Sequence[Group], frames: Sequence[ReferenceFrame], affine: b
         for number, frame in enumerate(frames)
     ]
     rows += [[True] * len(groups)] * affine
+    rows += [[number == 0 for number in range(len(groups))]] * directed
     return torch.tensor(rows, dtype=torch.float32)
 
 

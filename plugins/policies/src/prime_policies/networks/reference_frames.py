@@ -30,11 +30,13 @@ class ReferenceFrame:
         name: What it is.
         has_origin: Whether points may be relative to it.
         has_yaw: Whether angles may be.
+        is_object: Whether it is where an object is at s, which is then pushed to a second point.
     """
 
     name: str
     has_origin: bool = True
     has_yaw: bool = True
+    is_object: bool = False
 
 
 class ReferenceFrames:
@@ -59,7 +61,7 @@ class ReferenceFrames:
         if self._pair:
             yield ReferenceFrame("gripper at s'")
         for item in self._objects:
-            yield ReferenceFrame(item.name, has_yaw=item.yaw_symmetry > 0)
+            yield ReferenceFrame(item.name, has_yaw=item.yaw_symmetry > 0, is_object=True)
             if self._pair:
                 yield ReferenceFrame(f"{item.name} at s'", has_yaw=item.yaw_symmetry > 0)
                 yield ReferenceFrame(f"{item.name} along its way", has_yaw=False)

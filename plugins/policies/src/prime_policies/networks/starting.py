@@ -15,6 +15,7 @@ from prime_policies.networks.product_mixture import ProductMixture
 
 CANDIDATES = 48  # examples whose offsets are tried
 ROWS = 1500  # examples that are looked at; more say the same
+AS_TIGHT = 1.1  # times the least spread, within which the first frame is taken
 NEAR = 0.05  # over the scales: offsets that are so near to each other are the same
 
 Floats = np.ndarray
@@ -64,11 +65,14 @@ def start_components(
 
 def _offsets(mixture: ProductMixture, poses: Tensor, inputs: Tensor, targets: Tensor) -> Floats:
     """Return the targets seen from each frame, ``(n, F, D)``, over the scales."""
-    differences = targets[:, None] - mixture.bases(poses, inputs)
+    bases = mixture.bases(poses, inputs)
+    differences = targets[:, None] - bases
     periods = mixture.periods / mixture.scales
     turns = (differences / torch.where(periods > 0, periods, torch.inf)).round()
     differences = differences - periods * turns
-    return np.asarray(mixture.turned(differences[:, None], poses[:, :, 3], -1.0)[:, 0])
+    ends = targets[:, None, list(mixture.planes[-1])] if mixture.planes else targets[:, None, :0]
+    yaws = mixture.yaws(poses, bases, ends)
+    return np.asarray(mixture.turned(differences[:, None], yaws, -1.0)[:, 0])
 
 
 def _distance(mixture: ProductMixture, values: Floats, centre: Floats, places: list[int]) -> Floats:
@@ -121,5 +125,6 @@ def _tightest(
         centre = np.zeros(offsets.shape[2], dtype=np.float32)
         centre[places] = centres[frame]
         spreads.append(float(np.median(_distance(mixture, offsets[:, frame], centre, places))))
-    best = int(np.argmin(spreads))
+    # Few examples gather by chance about an object that hardly moves: the world comes first.
+    best = int(np.argmax(np.array(spreads) <= AS_TIGHT * min(spreads)))
     return int(frames[best]), centres, 1.5 * spreads[best]

@@ -16,9 +16,12 @@ class PrimePolicyConfig(PrimitivePolicyConfig, NetworkSettings):
     Both are pretrained on the rollouts, if asked, and then fine-tuned on the demonstrations.
     """
 
-    components: int = Field(16, ge=2)
+    components: int = Field(12, ge=2)
     """Gaussians in a mixture of parameters. With pretraining, half of them start where parameters
     of rollouts gather, half where those of demonstrations do."""
+    minimum_deviation: float = Field(0.02, gt=0)
+    """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]: about what the
+    parameters of parsed demonstrations are known to. With less, components learn by heart."""
     pretraining_epochs: int = Field(8, ge=1)
     """Epochs of each network on the rollouts."""
     finetuning_epochs: int = Field(10, ge=1)

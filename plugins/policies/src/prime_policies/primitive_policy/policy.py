@@ -10,15 +10,16 @@ from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
 from prime_core.contracts.observations import Observations
 from prime_core.contracts.policy import PrimitivePolicy
 from prime_policies.networks.classifier import Classifier
-from prime_policies.networks.mixture import Mixture, alone, draw, log_density
+from prime_policies.networks.mixture import Mixture, draw, log_mass
 from prime_policies.networks.parameter_network import ParameterNetwork
 from prime_policies.training.call_examples import CallEncoder
 from prime_policies.training.threads import threads
 
 DRAWS = 50  # of parameters, where the likeliest ones are not wanted
-# Of the log density of rollouts in a call's score. Rollouts hold only what the arm can do there, which
-# thirty demonstrations do not tell and fine-tuning forgets.
+# Of rollouts in a call's score. They hold only what the arm can do there, which thirty demonstrations
+# do not tell and fine-tuning forgets.
 PRIOR_SHARE = 0.3
+BLUR = 0.05  # over the scales, one or two centimetres: calls that are so near do the same
 
 
 class PrimePolicy(PrimitivePolicy):
@@ -52,8 +53,8 @@ class PrimePolicy(PrimitivePolicy):
 
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
         for ever where it changes nothing. Its calls are the best of the components' means, then
-        draws from the mixture, the best first: what is dense among demonstrations, and not rare
-        among rollouts.
+        draws from the mixture, the best first: what is common in demonstrations, and not rare in
+        rollouts.
         """
         features = torch.from_numpy(self._encoder.features.encode(seen))[None]
         encoded = self._encoder.frames.encode(seen)
@@ -77,9 +78,9 @@ class PrimePolicy(PrimitivePolicy):
         for source in (_means, lambda mixture: draw(mixture, DRAWS, generator)):
             with threads(), torch.inference_mode():
                 values = source(wanted)
-                scores = log_density(alone(wanted, len(values)), values)
+                scores = log_mass(wanted, values, BLUR)
                 if known is not None:
-                    scores += PRIOR_SHARE * log_density(alone(known, len(values)), values)
+                    scores += PRIOR_SHARE * log_mass(known, values, BLUR)
                 ordered = values[scores.argsort(descending=True, stable=True)]
             targets = ordered.numpy().astype(np.float64) * layout.scales
             for parameters in layout.parameters(targets[: 1 if source is _means else DRAWS]):
@@ -87,5 +88,5 @@ class PrimePolicy(PrimitivePolicy):
 
 
 def _means(mixture: Mixture) -> torch.Tensor:
-    """Return the means of a mixture alone in its batch, of components that take part, ``(k, D)``."""
+    """Return the means of components that take part, of a mixture alone, ``(k, D)``."""
     return mixture.means[0][mixture.logits[0] > -torch.inf]
