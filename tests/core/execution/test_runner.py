@@ -14,7 +14,7 @@ from prime_core.contracts.primitive import Motion, Primitive
 from prime_core.contracts.scene import Scene
 from prime_core.execution.trial import run_trial
 
-from .point_mass import SOLVED_HEIGHT, PointMass
+from ..point_mass import SOLVED_HEIGHT, PointMass
 
 CEILING = SOLVED_HEIGHT + 0.1
 

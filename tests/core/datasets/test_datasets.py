@@ -17,7 +17,7 @@ import pytest
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall, PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, Segment
 from prime_core.contracts.description import ObjectDescription, SceneDescription
-from prime_core.contracts.observations import Frames
+from prime_core.contracts.observations import Observations
 from prime_core.datasets import layout as lerobot_layout
 from prime_core.datasets.demonstrator import LeRobotDemonstratorConfig
 from prime_core.datasets.read import count_episodes, read_dataset, write_dataset
@@ -51,7 +51,7 @@ def demonstration(
         return generator.normal(size=(frames, width)).astype(np.float32)
 
     states = generator.normal(size=(frames, 20)) if simulated else None
-    return Demonstration(Frames(numbers(15), numbers(16)), numbers(5), task, states)
+    return Demonstration(Observations(numbers(15), numbers(16)), numbers(5), task, states)
 
 
 def segments_of(frames: int) -> list[Segment]:
@@ -74,7 +74,7 @@ def write(folder: Path, parsed: bool = False, **changes: Any) -> list[Demonstrat
 
 def assert_same(left: Demonstration, right: Demonstration) -> None:
     for name in ("state", "environment_state"):
-        found, wanted = getattr(left.frames, name), getattr(right.frames, name)
+        found, wanted = getattr(left.observations, name), getattr(right.observations, name)
         assert found.dtype == np.float32
         np.testing.assert_array_equal(found, wanted)
     np.testing.assert_array_equal(left.actions, right.actions)
@@ -155,10 +155,10 @@ def test_labels_of_frames(tmp_path: Path) -> None:
 def test_without_simulator_states_objects_or_actions_done(tmp_path: Path) -> None:
     description = replace(DESCRIPTION, objects=())
     one = demonstration(1, simulated=False)
-    alone = replace(one, frames=Frames(one.frames.state, np.zeros((1, 0), np.float32)))
-    write_dataset(
-        tmp_path / "set", [alone], description, segments=[[]], space=SPACE, robot_type="other"
+    alone = replace(
+        one, observations=Observations(one.observations.state, np.zeros((1, 0), np.float32))
     )
+    write_dataset(tmp_path / "set", [alone], description, segments=[[]], space=SPACE)
     found = read_dataset(tmp_path / "set", description)
     assert_same(found.demonstrations[0], alone)
     assert found.segments == ((),)
@@ -467,10 +467,10 @@ def lerobot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 def record(recorder: Any, item: Demonstration, **more: Any) -> None:
     """Record an episode as LeRobot's users do."""
-    for step in range(len(item.frames)):
+    for step in range(len(item.observations)):
         frame = {
-            "observation.state": item.frames.state[step],
-            "observation.environment_state": item.frames.environment_state[step],
+            "observation.state": item.observations.state[step],
+            "observation.environment_state": item.observations.environment_state[step],
             "action": item.actions[step],
             "task": item.task,
         }
@@ -492,7 +492,7 @@ def test_lerobot_opens_and_resumes(
     opened = lerobot("local/set", root=root)
     assert (opened.num_episodes, len(opened)) == (3, sum(LENGTHS))
     item = opened[LENGTHS[0] + 7]
-    np.testing.assert_array_equal(item["observation.state"], written[1].frames.state[7])
+    np.testing.assert_array_equal(item["observation.state"], written[1].observations.state[7])
     np.testing.assert_array_equal(item["action"], written[1].actions[7])
     assert item["task"] == "task 1"
     assert set(opened.meta.stats["action"]) >= {"mean", "std", "min", "max", "q01", "q99"}

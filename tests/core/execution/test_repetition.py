@@ -9,7 +9,7 @@ from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall
 from prime_core.contracts.scene import Scene
 from prime_core.execution.repetition import CallHistory
 
-from .point_mass import PointMass
+from ..point_mass import PointMass
 from .test_evaluation import Rise, Stay
 
 CALL = PrimitiveCall("rise", np.array([0.5]))

@@ -13,7 +13,7 @@ from prime_core.contracts.environment import Environment
 from prime_core.contracts.primitive import Motion, Primitive
 from prime_core.contracts.scene import Scene
 
-from .point_mass import PointMass
+from ..point_mass import PointMass
 
 
 class Rise(Primitive):

@@ -29,6 +29,7 @@ def episode(number: int, held: bool = False, frames: int = 60) -> CollectedEpiso
         rollouts=np.array([[0, 20, 0], [30, 55, 1]]),
         parameters=np.array([[0.1], [0.2]]) + number,
         others=np.array([[1, 9]]),
+        late_ends=np.array([20, 55]),
     )
 
 
@@ -37,7 +38,7 @@ def test_episodes_lie_end_to_end_and_indices_point_into_their_own() -> None:
     assert table.last == 129
     assert table.rollouts.tolist() == [[0, 20, 0], [30, 55, 1], [60, 80, 0], [90, 115, 1]]
     assert table.others.tolist() == [[1, 9], [61, 69]]
-    assert (table.frames.state[table.rows(table.rollouts[:, 0]), 0] == [0, 0, 1, 1]).all()
+    assert (table.observations.state[table.rows(table.rollouts[:, 0]), 0] == [0, 0, 1, 1]).all()
     assert table.episode(table.others).tolist() == [[0, 0], [1, 1]]
 
 
@@ -45,11 +46,11 @@ def test_only_frames_that_are_learnt_from_are_kept() -> None:
     counted = episode(0)
     counted.state[:, 0] = np.arange(60)
     table = RolloutTable([counted])
-    assert table.frames.state[:, 0].tolist() == [0, 1, 9, 20, 30, 55]
+    assert table.observations.state[:, 0].tolist() == [0, 1, 9, 20, 30, 55]
     around = RolloutTable([counted], around=3)
     kept = [*range(4), 9, *range(17, 24), *range(27, 34), *range(52, 59)]
-    assert around.frames.state[:, 0].tolist() == [1.0 * number for number in kept]
-    assert around.frames.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]
+    assert around.observations.state[:, 0].tolist() == [1.0 * number for number in kept]
+    assert around.observations.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]
     with pytest.raises(ValueError, match="a frame was not kept"):
         table.rows(np.array([20, 21]))
 
@@ -85,8 +86,8 @@ def test_jitter_moves_ends_a_little_and_never_into_another_episode() -> None:
     table = RolloutTable(episodes, config.around)
     data = training_pairs(table, SPACE, config, np.random.default_rng(0))
     exact = len(table.rollouts)
-    assert len(data.parameter_pairs) == 5 * exact
-    states = data.frames.state[data.parameter_pairs]
+    assert len(data.parameters) == 5 * exact
+    states = data.observations.state[data.parameters.rows]
     assert (states[:, 0, 0] == states[:, 1, 0]).all()
     assert (states[:exact, :, 1] == table.rollouts[:, :2] % 60).all()
     shift = states[exact:, :, 1] - np.tile(states[:exact, :, 1], (4, 1))
