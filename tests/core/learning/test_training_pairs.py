@@ -1,12 +1,12 @@
-"""Training pairs from collected episodes, and labelled frames for policies."""
+"""Training pairs from collected episodes."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from prime_core.collection.other_pairs import draw_other_pairs
 from prime_core.collection.recording import CollectedEpisode
 from prime_core.collection.rollouts import RolloutTable
-from prime_core.collection.settings import CollectionConfig
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
 from prime_core.learning.training_pairs import (
     PairConfig,
@@ -15,44 +15,9 @@ from prime_core.learning.training_pairs import (
     training_pairs,
 )
 
+from ..episodes import episode
+
 SPACE = PrimitiveSpace(("reach", "grasp"), (ParameterSpace((Parameter("x", "m", -1.0, 1.0),)),) * 2)
-
-
-def episode(number: int, held: bool = False, frames: int = 60) -> CollectedEpisode:
-    """Return an episode with an object at x = number and two rollouts."""
-    objects = np.zeros((frames, 8), dtype=np.float32)
-    objects[:, 0], objects[:, 7] = number, held
-    return CollectedEpisode(
-        state=np.full((frames, 15), number, dtype=np.float32),
-        environment_state=objects,
-        actions=np.zeros((frames, 5), dtype=np.float32),
-        rollouts=np.array([[0, 20, 0], [30, 55, 1]]),
-        parameters=np.array([[0.1], [0.2]]) + number,
-        others=np.array([[1, 9]]),
-        late_ends=np.array([20, 55]),
-    )
-
-
-def test_episodes_lie_end_to_end_and_indices_point_into_their_own() -> None:
-    table = RolloutTable([episode(0), episode(1, frames=70)])
-    assert table.last == 129
-    assert table.rollouts.tolist() == [[0, 20, 0], [30, 55, 1], [60, 80, 0], [90, 115, 1]]
-    assert table.others.tolist() == [[1, 9], [61, 69]]
-    assert (table.observations.state[table.rows(table.rollouts[:, 0]), 0] == [0, 0, 1, 1]).all()
-    assert table.episode(table.others).tolist() == [[0, 0], [1, 1]]
-
-
-def test_only_frames_that_are_learnt_from_are_kept() -> None:
-    counted = episode(0)
-    counted.state[:, 0] = np.arange(60)
-    table = RolloutTable([counted])
-    assert table.observations.state[:, 0].tolist() == [0, 1, 9, 20, 30, 55]
-    around = RolloutTable([counted], around=3)
-    kept = [*range(4), 9, *range(17, 24), *range(27, 34), *range(52, 59)]
-    assert around.observations.state[:, 0].tolist() == [1.0 * number for number in kept]
-    assert around.observations.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]
-    with pytest.raises(ValueError, match="a frame was not kept"):
-        table.rows(np.array([20, 21]))
 
 
 def test_each_class_has_the_same_weight_in_all() -> None:
@@ -95,19 +60,35 @@ def test_jitter_moves_ends_a_little_and_never_into_another_episode() -> None:
     assert (states[:, 1, 1] > states[:, 0, 1]).all()
 
 
-def test_other_pairs_keep_their_lengths_and_leave_out_what_a_rollout_explains() -> None:
-    config = CollectionConfig(other_pairs=5000, other_steps=(5, 35))
-    rollouts = [(10, 40, 0)]
-    pairs = draw_other_pairs(60, rollouts, config, np.random.default_rng(0))
-    lengths = pairs[:, 1] - pairs[:, 0]
-    assert [lengths.min(), lengths.max()] == [5, 35]
-    assert pairs.min() >= 0
-    assert pairs.max() <= 59
-    explained = (pairs[:, 0] >= 10) & (pairs[:, 0] < 40) & (pairs[:, 1] == 40)
-    assert not explained.any()
-    assert (pairs[:, 1] == 40).any()  # those that start before the rollout stay
+def with_late_ends(left_by: float) -> list[CollectedEpisode]:
+    """Return episodes whose first rollout has a late end, where the gripper has moved on."""
+    episodes = []
+    for number in range(4):
+        item = replace(episode(number), late_ends=np.array([28, 55]))
+        item.state[:, :3] = 0.0
+        item.state[28, 0] = left_by
+        item.state[:, 8] = np.arange(60)  # a joint tells which frame it is
+        episodes.append(item)
+    return episodes
 
 
-def test_an_episode_shorter_than_the_shortest_pair_has_none() -> None:
-    pairs = draw_other_pairs(5, [], CollectionConfig(), np.random.default_rng(0))
-    assert pairs.shape == (0, 2)
+@pytest.mark.parametrize(
+    ("left_by", "late_ends", "ends"),
+    [(0.05, True, [20, 55, 28]), (0.02, True, [20, 55]), (0.05, False, [20, 55])],
+)
+def test_parameters_are_also_learnt_from_late_ends_once_the_hand_has_left(
+    left_by: float, late_ends: bool, ends: list[int]
+) -> None:
+    table = RolloutTable(with_late_ends(left_by))
+    config = PairConfig(late_ends=late_ends)
+    data = training_pairs(table, SPACE, config, np.random.default_rng(0))
+    frames = data.observations.state[data.parameters.rows, 8].astype(int)
+    late = frames[:, 1] == 28
+    assert sorted(set(frames[:, 1].tolist())) == sorted(ends)
+    # A late end has the parameters and the start of its rollout, and the types know none.
+    assert frames[late].tolist() == [[0, 28]] * (4 if 28 in ends else 0)
+    assert data.values[late, 0].tolist() == [0.1, 1.1, 2.1, 3.1][: late.sum()]
+    assert (data.parameters.classes[late] == 0).all()
+    assert not (data.observations.state[data.types.rows, 8][:, 1] == 28).any()
+    weights = data.parameters.weights
+    np.testing.assert_allclose(np.bincount(data.parameters.classes, weights), 1.0)
