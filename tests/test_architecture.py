@@ -3,6 +3,7 @@
 import ast
 import importlib
 import pkgutil
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,27 +13,73 @@ import pytest
 
 import prime_core
 
+from .import_graph import circle_in, graph_of, imported, not_public
+
 ROOT = Path(__file__).parents[1]
-PLUGINS = ("prime_envs_robosuite", "prime_policies", "prime_primitives_scripted")
+CORE = ROOT / "prime_core"
+PACKS = {path.name: path for path in sorted((ROOT / "plugins").glob("*/src/*")) if path.is_dir()}
+EXAMPLE = ROOT / "docs" / "examples" / "hello_primitive"
 HEAVY = ("torch", "mujoco", "robosuite", "lerobot", "mink", "numba", "pyarrow", "matplotlib", "av")
 MAXIMUM_LINES = 300
 MAXIMUM_FUNCTION_LINES = 60
+MAXIMUM_FILES = 12
+MAXIMUM_FILES_AT_THE_TOP = 8
+
+ORDER = (
+    ("",),  # the files at the top of prime_core, but for its __init__
+    ("contracts",),
+    ("parsing", "datasets"),
+    ("execution",),
+    ("collection",),
+    ("learning",),
+    ("reporting",),
+    ("checks",),
+    ("registry",),
+    ("experiments.stages",),
+    ("experiments",),
+    ("experiments.results",),
+    ("cli",),
+)
+"""The folders of prime_core: each may import those above it; two in a line need not each other."""
+
+ONLY_IN_FUNCTIONS = {"registry": ("parsing", "datasets")}
+"""What the registry registers is imported once somebody asks for it."""
+
+PUBLIC = (
+    "prime_core",
+    "prime_core.hookspecs",
+    "prime_core.contracts",
+    "prime_core.arrays",
+    "prime_core.configuration",
+    "prime_core.errors",
+    "prime_core.files",
+    "prime_core.rotations",
+    "prime_core.seeds",
+)
+"""What a pack may import, with all modules of the contracts."""
+
+PUBLIC_IN_TESTS = (*PUBLIC, "prime_core.checks")
 
 
 def sources() -> Iterator[Path]:
-    yield from sorted((ROOT / "prime_core").rglob("*.py"))
-    yield from sorted((ROOT / "plugins").glob("*/src/**/*.py"))
+    yield from sorted(CORE.rglob("*.py"))
+    for folder in PACKS.values():
+        yield from sorted(folder.rglob("*.py"))
+
+
+def folder_of(module: str) -> str:
+    """Return which folder of `ORDER` a module of the core lies in."""
+    parts = module.split(".")[1:]
+    inner = [folder for line in ORDER for folder in line if folder]
+    for length in range(len(parts), 0, -1):
+        if ".".join(parts[:length]) in inner:
+            return ".".join(parts[:length])
+    return ""
 
 
 def imports(path: Path) -> set[str]:
     """Return the top-level names of all modules that a file imports anywhere."""
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Import):
-            found.update(alias.name.split(".")[0] for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            found.add(node.module.split(".")[0])
-    return found
+    return {module.split(".")[0] for module, _ in imported(path, for_types=True)}
 
 
 def loaded_after(*arguments: str) -> set[str]:
@@ -50,7 +97,7 @@ SHOW = "import sys; print('MODULES', *{name.split('.')[0] for name in sys.module
     "code",
     [
         "import prime_core",
-        *[f"import {name}" for name in PLUGINS],
+        *[f"import {name}" for name in PACKS],
         "import sys, atexit\n"
         "from prime_core.cli import main\n"
         "sys.argv = ['prime', '--help']\n"
@@ -63,16 +110,111 @@ def test_importing_and_asking_for_help_load_nothing_heavy(code: str) -> None:
 
 
 def test_the_core_imports_no_plugin_and_no_simulator() -> None:
-    for path in (ROOT / "prime_core").rglob("*.py"):
-        forbidden = {"torch", "mujoco", "robosuite", "lerobot", "mink", *PLUGINS}
+    for path in CORE.rglob("*.py"):
+        forbidden = {"torch", "mujoco", "robosuite", "lerobot", "mink", *PACKS}
         assert not imports(path) & forbidden, path
 
 
 def test_plugins_import_the_core_and_never_each_other() -> None:
-    for package in PLUGINS:
-        (folder,) = (ROOT / "plugins").glob(f"*/src/{package}")
+    assert len(PACKS) >= 3
+    for package, folder in PACKS.items():
         for path in folder.rglob("*.py"):
-            assert not imports(path) & (set(PLUGINS) - {package}), path
+            assert not imports(path) & (set(PACKS) - {package}), path
+
+
+def test_the_order_names_every_folder_of_the_core() -> None:
+    found = {
+        ".".join(path.parent.relative_to(CORE).parts)
+        for path in CORE.rglob("*.py")
+        if path.name != "__init__.py"
+    }
+    assert found == {folder for line in ORDER for folder in line}
+
+
+def upward_imports(*, in_functions: bool) -> list[str]:
+    rank = {folder: number for number, line in enumerate(ORDER) for folder in line}
+    return [
+        f"{module} imports {target}"
+        for module, targets in graph_of(CORE, in_functions=in_functions).items()
+        for target in sorted(targets)
+        if module != "prime_core"
+        and folder_of(module) != folder_of(target)
+        and rank[folder_of(target)] >= rank[folder_of(module)]
+    ]
+
+
+def test_folders_of_the_core_import_those_above_them_only() -> None:
+    assert upward_imports(in_functions=True) == []
+
+
+@pytest.mark.parametrize("folder", ONLY_IN_FUNCTIONS)
+def test_what_is_imported_in_functions_only(folder: str) -> None:
+    graph = graph_of(CORE, in_functions=False)
+    found = {
+        folder_of(target)
+        for module, targets in graph.items()
+        if folder_of(module) == folder
+        for target in targets
+    }
+    assert not found & set(ONLY_IN_FUNCTIONS[folder])
+
+
+@pytest.mark.parametrize("package", ["prime_core", *PACKS])
+def test_no_modules_import_each_other_in_a_circle(package: str) -> None:
+    graph = graph_of(PACKS.get(package, CORE))
+    assert len(graph) > 5
+    assert circle_in(graph) == []
+
+
+def test_only_the_public_names_are_imported_by_their_names_as_text() -> None:
+    found = [path for path in sources() if "import_module(" in path.read_text()]
+    assert found == [CORE / "__init__.py"]
+
+
+def test_folders_of_the_core_hold_a_few_files_each() -> None:
+    for init in CORE.rglob("__init__.py"):
+        files = [path for path in init.parent.glob("*.py") if path != init]
+        assert 2 <= len(files) <= MAXIMUM_FILES, init.parent
+    packages = {init.parent for init in CORE.rglob("__init__.py")}
+    assert {path.parent for path in CORE.rglob("*.py")} == packages
+
+
+def test_few_files_lie_at_the_top_of_the_core() -> None:
+    names = [path.name for path in CORE.iterdir() if path.is_file()]
+    assert len([name for name in names if name.endswith(".py")]) <= MAXIMUM_FILES_AT_THE_TOP
+    assert {name for name in names if not name.endswith(".py")} == {"py.typed"}
+
+
+@pytest.mark.parametrize(
+    "init", sorted(CORE.rglob("__init__.py")), ids=lambda path: path.parent.name
+)
+def test_every_folder_of_the_core_says_what_lives_there_and_what_goes_there(init: Path) -> None:
+    text = ast.get_docstring(ast.parse(init.read_text())) or ""
+    assert len(re.findall(r"[.!?](?=\s|$)|:$", text, flags=re.MULTILINE)) >= 2, text
+
+
+@pytest.mark.parametrize("package", PACKS)
+def test_packs_import_what_is_public_of_the_core_and_no_more(package: str) -> None:
+    for path in sorted(PACKS[package].rglob("*.py")):
+        assert not_public(path, PUBLIC) == [], path
+
+
+def test_the_example_pack_takes_two_files_and_imports_what_is_public() -> None:
+    pack = EXAMPLE / "hello_primitive.py"
+    assert not_public(pack, PUBLIC) == []
+    assert not_public(EXAMPLE / "test_hello_primitive.py", PUBLIC_IN_TESTS) == []
+    assert {path.name for path in EXAMPLE.iterdir() if path.is_file()} == {
+        "hello_primitive.py",
+        "pyproject.toml",
+        "lift_by_hello.yaml",
+        "test_hello_primitive.py",
+    }
+
+
+def test_the_page_on_plugins_lists_what_is_public() -> None:
+    page = (ROOT / "docs" / "write_a_plugin.md").read_text(encoding="utf-8")
+    for module in PUBLIC_IN_TESTS:
+        assert f"`{module}`" in page or f"`{module.removeprefix('prime_core.')}`" in page, module
 
 
 def test_files_and_functions_stay_short() -> None:

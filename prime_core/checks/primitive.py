@@ -11,6 +11,7 @@ from prime_core.contracts.calls import ParameterSpace
 from prime_core.contracts.environment import ACTION_LIMIT, Environment
 from prime_core.contracts.primitive import Primitive
 from prime_core.contracts.scene import EMPTY_OPENING, Scene
+from prime_core.errors import UnknownObjectsError
 from prime_core.execution.motions import MotionRun
 
 RESETS = 5
@@ -94,12 +95,7 @@ def check_primitive(
             "parameters: what a motion remembers belongs into its generator, not into the "
             "primitive, and it must not draw random numbers",
         )
-        blind = _run(primitive, replace(start, blind=True), parameters)
-        require(
-            _same_actions(blind, run),
-            f"{primitive.name!r} acted otherwise in scenes without objects: motion() may ask "
-            "whether something is held (scene.holding), but not where objects are",
-        )
+        _check_without_objects(primitive, start, parameters, run)
         outcome = primitive.succeeded(run.scenes, parameters)
         require_bool(outcome, f"succeeded() of {primitive.name!r}")
 
@@ -211,6 +207,31 @@ def _run(primitive: Primitive, start: _Start, parameters: Floats) -> _Run:
     kept = np.array_equal(given, parameters)
     require(kept, f"motion() of {primitive.name!r} changed its parameters: copy them first")
     return _Run(scenes, actions, motion.finished)
+
+
+def _check_without_objects(
+    primitive: Primitive, start: _Start, parameters: Floats, run: _Run
+) -> None:
+    """Check that all but the prior and the success criterion need no objects."""
+    advice = "it may ask whether something is held (scene.holding), but not where objects are"
+    start.environment.set_state(start.state)
+    blind = replace(start, blind=True)
+    scene, without = start.look(), blind.look()
+    try:
+        for name, same in (
+            ("can_start()", primitive.can_start(without) == primitive.can_start(scene)),
+            ("reachable()", primitive.reachable(without, parameters)),
+            ("motion()", _same_actions(_run(primitive, blind, parameters), run)),
+        ):
+            require(
+                bool(same),
+                f"{name} of {primitive.name!r} does otherwise in scenes without objects: {advice}",
+            )
+    except UnknownObjectsError as problem:
+        raise CheckError(
+            f"{primitive.name!r} asks where objects are in can_start(), reachable() or motion(), "
+            f"which must work in scenes without objects, too: {advice}"
+        ) from problem
 
 
 def _check_action(primitive: Primitive, action: Floats) -> None:

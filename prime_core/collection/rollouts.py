@@ -21,7 +21,8 @@ class RolloutTable:
         rollouts: Start frame, end frame and primitive of each rollout, ``(n, 3)``.
         parameters: Of each rollout, ``(n, width)``.
         others: Start and end frame of pairs of `other`, ``(k, 2)``.
-        late_ends: For each rollout a later frame that tells its parameters too, or its end, ``(n,)``.
+        late_ends: For each rollout a later frame that tells its parameters too, or its end,
+            ``(n,)``.
         last: The last frame.
 
     Args:

@@ -82,7 +82,9 @@ def read_dataset(
     space = _read_space(header, own)
     return Dataset(
         folder=header.folder,
-        demonstrations=tuple(_demonstration(entry, columns[entry.index]) for entry in entries),
+        demonstrations=tuple(
+            _demonstration(entry, columns[entry.index], description) for entry in entries
+        ),
         episodes=tuple(entry.index for entry in entries),
         fps=header.info["fps"],
         state_names=header.names(STATE_KEY),
@@ -154,8 +156,13 @@ def _choose(
     return [entries[index] for index in episodes]
 
 
-def _demonstration(entry: reader.EpisodeEntry, columns: reader.Columns) -> Demonstration:
+def _demonstration(
+    entry: reader.EpisodeEntry, columns: reader.Columns, description: SceneDescription | None
+) -> Demonstration:
     objects = columns.get(ENVIRONMENT_STATE_KEY)
+    if objects is None and description is not None and not description.objects:
+        # There is no such column where there is no object: nothing is unknown.
+        objects = np.zeros((entry.length, 0), dtype=np.float32)
     states = columns.get(layout.SIMULATOR_STATE_KEY)
     return Demonstration(
         observations=Observations(

@@ -116,6 +116,11 @@ def _simulator_state_width(episodes: Sequence[Episode]) -> int:
 
 
 def _check_columns(number: int, columns: Columns, wanted: dict[str, int]) -> None:
+    if ENVIRONMENT_STATE_KEY in wanted and ENVIRONMENT_STATE_KEY not in columns:
+        raise DatasetError(
+            f"demonstration {number} does not tell where objects are, and data sets of this "
+            "environment do: only demonstrations with known object poses can be written"
+        )
     if set(columns) != set(wanted):
         raise DatasetError(
             f"demonstration {number} holds {sorted(columns)} and demonstration 0 {sorted(wanted)}: "

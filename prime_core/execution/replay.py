@@ -73,11 +73,18 @@ class SequenceRunner(SceneRunner):
         super().__init__(description)
         self._primitives = {item.name: item for item in primitives}
         self._actions = parsed.demonstration.actions.astype(np.float64)
-        self._segments = iter(
+        self._chosen = [
             segment
             for segment in parsed.segments
             if replay_other or segment.call.primitive != OTHER
-        )
+        ]
+        self._segments = iter(self._chosen)
+        self._rests = False
+
+    def reset(self, generator: np.random.Generator) -> None:
+        """Begin with the first segment again; see `MotorPolicy`."""
+        super().reset(generator)
+        self._segments = iter(self._chosen)
         self._rests = False
 
     def next_run(self, scene: Scene, seen: Observations) -> Run | None:

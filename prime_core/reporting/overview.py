@@ -2,23 +2,19 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from prime_core.contracts.calls import OTHER, PrimitiveSpace
 from prime_core.contracts.demonstration import ParsedDemonstration
 from prime_core.contracts.environment import CONTROL_FREQUENCY
-
-if TYPE_CHECKING:
-    pass
 from prime_core.reporting.style import (
     INK,
     NORMAL,
     SMALL,
-    _draw_bar,
-    _finish,
-    _look,
-    _save,
+    draw_bar,
+    finish,
+    look,
     primitive_colours,
+    save,
 )
 
 TALLEST = 9.0  # inches of bars in an overview
@@ -55,7 +51,7 @@ def draw_timelines_overview(
     axes = figure.add_subplot()
     for index, item in enumerate(parsed):
         for segment in item.segments:
-            _draw_bar(axes, segment, colours, row=float(index), thickness=0.72)
+            draw_bar(axes, segment, colours, row=float(index), thickness=0.72)
     # Of very many demonstrations, only some have room for a label.
     labelled = slice(None, None, 1 + count // MOST_LABELS)
     names = labels if labels is not None else [str(number) for number in range(len(parsed))]
@@ -65,12 +61,12 @@ def draw_timelines_overview(
     present = {segment.call.primitive for item in parsed for segment in item.segments}
     order = [name for name in (*space.names, OTHER) if name in present]
     figure.legend(
-        handles=[Patch(label=name, **_look(name, colours)) for name in order],
+        handles=[Patch(label=name, **look(name, colours)) for name in order],
         loc="outside upper right",
         ncols=max(len(order), 1),
         fontsize=SMALL,
         frameon=False,
     )
     figure.suptitle(title, fontsize=NORMAL, x=0.01, ha="left", color=INK)
-    _finish([axes], max([1, *(item.demonstration.steps for item in parsed)]))
-    _save(figure, Path(path))
+    finish([axes], max([1, *(item.demonstration.steps for item in parsed)]))
+    save(figure, Path(path))

@@ -49,19 +49,21 @@ def primitive_colours(names: Iterable[str]) -> dict[str, str]:
     return result
 
 
-def _draw_bar(
+def draw_bar(
     axes: "Axes", segment: Segment, colours: dict[str, str], row: float, thickness: float
 ) -> None:
+    """Draw a segment as a bar from its start to its end."""
     axes.barh(
         row,
         segment.steps,
         left=segment.start,
         height=thickness,
-        **_look(segment.call.primitive, colours),
+        **look(segment.call.primitive, colours),
     )
 
 
-def _look(primitive: str, colours: dict[str, str]) -> dict[str, Any]:
+def look(primitive: str, colours: dict[str, str]) -> dict[str, Any]:
+    """Return how a bar of a primitive is drawn, as matplotlib's options."""
     # What no primitive explains is to be seen in print without colours, too.
     return {
         "facecolor": colours.get(primitive, COLOURS[OTHER]),
@@ -71,7 +73,8 @@ def _look(primitive: str, colours: dict[str, str]) -> dict[str, Any]:
     }
 
 
-def _finish(panels: Sequence["Axes"], steps: int) -> None:
+def finish(panels: Sequence["Axes"], steps: int) -> None:
+    """Give panels one above the other the same steps, and take away lines that say nothing."""
     for axes in panels:
         axes.set_xlim(0, steps)
         axes.tick_params(labelsize=SMALL, length=2.5)
@@ -84,6 +87,7 @@ def _finish(panels: Sequence["Axes"], steps: int) -> None:
         panels[0].spines[["left", "bottom"]].set_visible(False)
 
 
-def _save(figure: "Figure", path: Path) -> None:
+def save(figure: "Figure", path: Path) -> None:
+    """Write a picture, whole or not at all."""
     with new_file(path) as partial:
         figure.savefig(partial, dpi=DOTS_PER_INCH)

@@ -10,19 +10,19 @@ from prime_core.contracts.demonstration import ParsedDemonstration, Segment
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import CONTROL_FREQUENCY
 from prime_core.contracts.observations import Observations
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 from prime_core.reporting.style import (
     INK,
     NORMAL,
     SMALL,
-    _draw_bar,
-    _finish,
-    _save,
+    draw_bar,
+    finish,
     primitive_colours,
+    save,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def draw_timeline(
@@ -49,7 +49,7 @@ def draw_timeline(
     colours = primitive_colours(space.names)
     steps = max(len(seen) - 1, 1)
     for segment in parsed.segments:
-        _draw_bar(bars, segment, colours, row=0.0, thickness=0.8)
+        draw_bar(bars, segment, colours, row=0.0, thickness=0.8)
         _write_label(bars, segment, _parameter_lines(segment, space), steps)
         for panel in (height, opening):
             panel.axvline(segment.end, color=INK, linewidth=0.4, alpha=0.35)
@@ -63,8 +63,8 @@ def draw_timeline(
     _mark_held(height, seen, description, named=False)
     _mark_held(opening, seen, description, named=True)
     opening.set_xlabel(f"step ({fps} a second)", fontsize=SMALL)
-    _finish([bars, height, opening], steps)
-    _save(figure, Path(path))
+    finish([bars, height, opening], steps)
+    save(figure, Path(path))
 
 
 def _panels() -> tuple["Figure", list["Axes"]]:

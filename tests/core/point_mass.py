@@ -9,7 +9,7 @@ from prime_core.arrays import Floats
 from prime_core.checks.samples import DESCRIPTION
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_LIMIT, Action, Environment, Observation
-from prime_core.contracts.scene import Scene
+from prime_core.contracts.scene import ObjectPoses, Scene
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down
 
@@ -57,9 +57,11 @@ class PointMass(Environment):
             gripper_quaternion=gripper_down(self.values[3]),
             gripper_opening=float(self.values[4]),
             joint_positions=np.zeros(7),
-            object_positions=self.values[5:].reshape(2, 3).copy(),
-            object_quaternions=np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)),
-            held=None,
+            objects=ObjectPoses(
+                positions=self.values[5:].reshape(2, 3).copy(),
+                quaternions=np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)),
+                held=None,
+            ),
         )
 
     def is_success(self) -> bool:

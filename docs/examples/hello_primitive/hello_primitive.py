@@ -67,7 +67,7 @@ class Lift(Primitive):
     def motion(self, scene: Scene, parameters: Array) -> Motion:
         """Return the motion that starts in a scene; see `Primitive`."""
         goal = scene.gripper_position + np.array([0.0, 0.0, parameters[0]])
-        gripper = 1.0 if scene.held else -1.0
+        gripper = 1.0 if scene.holding else -1.0
         while np.linalg.norm(goal - scene.gripper_position) > self._tolerance / 2:
             move = np.clip(goal - scene.gripper_position, -ACTION_LIMIT[:3], ACTION_LIMIT[:3])
             scene = yield np.array([*move, 0.0, gripper])

@@ -1,4 +1,4 @@
 """Gathers the results of an experiment, and shows them as tables.
 
-A new figure starts in `gathering`.
+A new figure starts in `summaries`; `figures` says how it is shown.
 """

@@ -12,8 +12,8 @@ from matplotlib.image import imread
 from prime_core.checks.samples import DESCRIPTION
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall, PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, ParsedDemonstration, Segment
-from prime_core.contracts.observations import Frames
-from prime_core.reporting import style as timeline
+from prime_core.contracts.observations import Observations
+from prime_core.reporting import style
 from prime_core.reporting.overview import draw_timelines_overview
 from prime_core.reporting.style import primitive_colours
 from prime_core.reporting.timeline import draw_timeline
@@ -35,7 +35,7 @@ def parsed(*pieces: tuple[int, str]) -> ParsedDemonstration:
         segments.append(Segment(start, end, PrimitiveCall(name, parameters), -1.0))
         start = end
     return ParsedDemonstration(
-        Demonstration(Frames(state, objects), actions, "task"), tuple(segments)
+        Demonstration(Observations(state, objects), actions, "task"), tuple(segments)
     )
 
 
@@ -46,13 +46,14 @@ PARSED = parsed((60, "grasp"), (75, "other"), (150, "wipe"), (200, "reach"))
 def drawn(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Every figure that is saved."""
     figures: list[Any] = []
-    save = timeline._save
+    save = style.save
 
     def keep(figure: Any, path: Path) -> None:
         figures.append(figure)
         save(figure, path)
 
-    monkeypatch.setattr(timeline, "_save", keep)
+    for module in ("timeline", "overview"):
+        monkeypatch.setattr(f"prime_core.reporting.{module}.save", keep)
     return figures
 
 
@@ -105,8 +106,8 @@ def test_any_number_of_demonstrations(tmp_path: Path, count: int) -> None:
 
 
 def test_demonstrations_without_segments_or_objects(tmp_path: Path) -> None:
-    frames = Frames(np.zeros((1, 15), np.float32), np.zeros((1, 0), np.float32))
-    still = Demonstration(frames, np.zeros((1, 5), np.float32), "task")
+    seen = Observations(np.zeros((1, 15), np.float32), np.zeros((1, 0), np.float32))
+    still = Demonstration(seen, np.zeros((1, 5), np.float32), "task")
     draw_timeline(tmp_path / "still.pdf", ParsedDemonstration(still, ()), SPACE)
     assert (tmp_path / "still.pdf").read_bytes().startswith(b"%PDF")
 

@@ -45,7 +45,7 @@ def test_mappings_are_merged_and_other_types_lists_and_scalars_replaced() -> Non
 
 def test_a_variant_is_the_experiment_but_for_its_changes(tmp_path: Path) -> None:
     config = read(tmp_path, "few.collection.episodes=20", "few.parser.alpha=1e-2", GREEDY)
-    few, greedy = config.resolved_variants().values()
+    few, greedy = config.resolved_variants.values()
     assert (few.collection.episodes, few.collection.draws_per_episode) == (20, 7)
     assert few.parser == config.parser.model_copy(update={"alpha": 1e-2})
     # Another type comes with its own defaults.
@@ -61,7 +61,7 @@ def test_policies_that_a_variant_names_are_all_it_has(tmp_path: Path) -> None:
         "one.policies.prime={}",
         "new.policies={prime: {pretrain: false}, longer: {type: prime, finetuning_epochs: 9}}",
     )
-    variants = config.resolved_variants()
+    variants = config.resolved_variants
     assert variants["all"].policies == config.policies
     assert variants["one"].policies == {"prime": config.policies["prime"]}
     new = variants["new"].policies
@@ -77,7 +77,7 @@ def test_a_dump_holds_the_defaults_of_changes_and_reads_back_the_same(tmp_path: 
     assert set(variants["greedy"]) == {"parser", "policies"}
     assert variants["greedy"]["parser"]["minimum_steps"] == 5
     again = validate_experiment(yaml.safe_load(dump), "dump")
-    assert again.resolved_variants() == config.resolved_variants()
+    assert again.resolved_variants == config.resolved_variants
     assert dump_experiment(again) == dump
 
 
@@ -93,7 +93,7 @@ def test_only_stages_that_differ_are_a_variants(tmp_path: Path) -> None:
         f"both={{parser: {{type: greedy}}, {other}}}",
     )
     job = Experiment(config, tmp_path / "run")
-    main = list(Experiment(config.model_copy(update={"variants": {}}), tmp_path / "run").stages)
+    main = list(Experiment(read(tmp_path), tmp_path / "run").stages)
     learnt = ["parsing", "replay", "policy.prime", "evaluation.prime"]
     elsewhere = ["collection", "idm", *learnt]
     assert list(job.stages) == [

@@ -8,7 +8,7 @@ import pytest
 from prime_core.errors import PrimeError
 from prime_core.experiments.results.comparison import comparison_rows, markdown, read_results
 
-PAPER = Path(__file__).parents[2] / "docs" / "results" / "paper"
+PAPER = Path(__file__).parents[3] / "docs" / "results" / "paper"
 
 
 def test_files_with_other_figures_stand_beside_each_other(tmp_path: Path) -> None:

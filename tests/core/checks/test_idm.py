@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from prime_core.arrays import Floats, Indices
 from prime_core.checks import CheckError, check_idm
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
-from prime_core.contracts.observations import Frames
-from prime_core.contracts.training import PairData, Progress
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_core.errors import PrimeError
 
 
@@ -25,8 +24,8 @@ class Linear(InverseDynamicsModel):
         self.space = space
         self.weights = weights
 
-    def encode(self, frames: Frames) -> NDArray[np.float32]:
-        return np.hstack((frames.state[:, :3], frames.environment_state[:, :3]))
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
+        return np.hstack((seen.gripper_position, seen.object_positions[:, 0]))
 
     def score(self, features: NDArray[np.float32], pairs: Indices) -> NDArray[np.float32]:
         values = (features[pairs[:, 1]] - features[pairs[:, 0]]) @ self.weights
@@ -53,26 +52,16 @@ class LinearConfig(IdmConfig):
     def model(self, space: PrimitiveSpace, weights: Floats) -> InverseDynamicsModel:
         return Linear(space, weights)
 
-    def fit(
-        self,
-        data: PairData,
-        description: SceneDescription,
-        space: PrimitiveSpace,
-        folder: Path,
-        seed: int,
-        progress: Progress,
-    ) -> InverseDynamicsModel:
-        weights = self.weights(seed)
-        (folder / "weights.json").write_text(json.dumps(weights.tolist()))
-        return self.model(space, weights)
+    def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
+        weights = self.weights(context.seed)
+        (context.folder / "weights.json").write_text(json.dumps(weights.tolist()))
+        return self.model(context.space, weights)
 
-    def load(
-        self, folder: Path, description: SceneDescription, space: PrimitiveSpace
-    ) -> InverseDynamicsModel:
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
         path = folder / "weights.json"
         if not path.exists():
             raise PrimeError(f"{folder} holds no model")
-        return self.model(space, np.array(json.loads(path.read_text())))
+        return self.model(context.space, np.array(json.loads(path.read_text())))
 
 
 def test_a_model_that_keeps_the_contract_passes() -> None:
@@ -90,15 +79,15 @@ class LooksAtAll(Linear):
 
 
 class EncodesTogether(Linear):
-    def encode(self, frames: Frames) -> NDArray[np.float32]:
-        features = super().encode(frames)
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
+        features = super().encode(seen)
         features -= features.mean(axis=0)
         return features
 
 
 class EncodesDoubles(Linear):
-    def encode(self, frames: Frames) -> Any:
-        return super().encode(frames).astype(np.float64)
+    def encode(self, seen: Observations) -> Any:
+        return super().encode(seen).astype(np.float64)
 
 
 class SpoilsFeatures(Linear):
@@ -152,11 +141,10 @@ def test_a_broken_model_is_told_what_would_be_right(model: type[Linear], text: s
 class Unseeded(LinearConfig):
     """Draws without the seed; what it left is found again."""
 
-    def fit(self, *arguments: Any) -> InverseDynamicsModel:
-        _, description, space, folder, _, _ = arguments
-        if (folder / "weights.json").exists():
-            return self.load(folder, description, space)
-        return super().fit(*arguments)
+    def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
+        if (context.folder / "weights.json").exists():
+            return self.load(context.folder, context)
+        return super().fit(data, context)
 
     def weights(self, seed: int) -> Floats:
         return np.random.default_rng().normal(size=(6, 3))
@@ -172,24 +160,24 @@ class StartsAnew(LinearConfig):
 class Forgets(LinearConfig):
     """Loads other weights than it trained."""
 
-    def load(self, folder: Path, *arguments: Any) -> InverseDynamicsModel:
-        super().load(folder, *arguments)
-        return Linear(arguments[1], np.ones((6, 3)))
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
+        super().load(folder, context)
+        return Linear(context.space, np.ones((6, 3)))
 
 
 class LoadsAnything(LinearConfig):
     """Loads from an empty folder."""
 
-    def load(self, folder: Path, *arguments: Any) -> InverseDynamicsModel:
-        return Linear(arguments[1], np.ones((6, 3)))
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
+        return Linear(context.space, np.ones((6, 3)))
 
 
 class RaisesOsError(LinearConfig):
     """Raises what no user can read."""
 
-    def load(self, folder: Path, *arguments: Any) -> InverseDynamicsModel:
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
         (folder / "weights.json").read_text()
-        return super().load(folder, *arguments)
+        return super().load(folder, context)
 
 
 @pytest.mark.parametrize(

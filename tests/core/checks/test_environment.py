@@ -1,6 +1,7 @@
 """Every way to break the contract of an environment is found, and named."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -14,7 +15,7 @@ from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.environment import Action, Environment, Observation
 from prime_core.contracts.scene import Scene
 
-from .point_mass import PointMass
+from ..point_mass import PointMass
 
 
 def test_an_environment_that_keeps_the_contract_passes() -> None:
@@ -96,8 +97,7 @@ class SharesState(PointMass):
 
 class SharesScene(PointMass):
     def scene(self) -> Scene:
-        scene = super().scene()
-        return Scene(**(vars(scene) | {"gripper_position": self.values[:3]}))
+        return replace(super().scene(), gripper_position=self.values[:3])
 
 
 class TakesAnyState(PointMass):
@@ -140,18 +140,18 @@ class ChangesAction(PointMass):
 
 class LongQuaternion(PointMass):
     def scene(self) -> Scene:
-        scene = super().scene()
-        return Scene(**(vars(scene) | {"gripper_quaternion": np.array([1.0, 1.0, 0.0, 0.0])}))
+        return replace(super().scene(), gripper_quaternion=np.array([1.0, 1.0, 0.0, 0.0]))
 
 
 class HoldsNothingKnown(PointMass):
     def scene(self) -> Scene:
-        return Scene(**(vars(super().scene()) | {"held": "spoon"}))
+        scene = super().scene()
+        return replace(scene, objects=replace(scene.known_objects, held="spoon"))
 
 
 class NotANumber(PointMass):
     def scene(self) -> Scene:
-        return Scene(**(vars(super().scene()) | {"joint_positions": np.full(7, np.nan)}))
+        return replace(super().scene(), joint_positions=np.full(7, np.nan))
 
 
 def set_item(index: int, value: Any) -> Callable[[list[Any]], None]:

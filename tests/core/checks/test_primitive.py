@@ -13,7 +13,7 @@ from prime_core.contracts.environment import Environment
 from prime_core.contracts.primitive import Motion, Primitive
 from prime_core.contracts.scene import Scene
 
-from .point_mass import PointMass
+from ..point_mass import PointMass
 
 
 class Rise(Primitive):
@@ -40,9 +40,9 @@ class Rise(Primitive):
         return bool(abs(rise - parameters[0]) < 0.01)
 
 
-class RiseWithCube(Rise):
+class RiseHolding(Rise):
     def can_start(self, scene: Scene) -> bool:
-        return scene.held == "cube"
+        return scene.holding
 
 
 class RiseFromAbove(Rise):
@@ -50,7 +50,15 @@ class RiseFromAbove(Rise):
         return bool(scene.gripper_position[2] > 0.95)
 
 
-@pytest.mark.parametrize("primitive", [Rise(), RiseWithCube()])
+class KeepsWhatItHolds(RiseHolding):
+    """Closes the gripper if something is held, which scenes without objects tell, too."""
+
+    def motion(self, scene: Scene, parameters: Floats) -> Motion:
+        for _ in range(3):
+            scene = yield np.array([0.0, 0.0, 0.01, 0.0, 1.0 if scene.holding else -1.0])
+
+
+@pytest.mark.parametrize("primitive", [Rise(), RiseHolding(), KeepsWhatItHolds()])
 def test_a_primitive_that_keeps_the_contract_passes(primitive: Primitive) -> None:
     check_primitive(primitive, PointMass())
 
@@ -100,6 +108,23 @@ def unseeded(self: Primitive, scene: Scene, generator: np.random.Generator) -> F
     return np.random.default_rng().uniform(0.05, 0.15, 1)
 
 
+def looks_at_objects(self: Rise, scene: Scene, parameters: Floats) -> Motion:
+    height = 0.01 if scene.objects is None else 0.02
+    for _ in range(3):
+        scene = yield np.array([0.0, 0.0, height, 0.0, 0.0])
+
+
+def stops_where_objects_are_unknown(self: Rise, scene: Scene, parameters: Floats) -> Motion:
+    for _ in range(3):
+        scene = yield np.array([0.0, 0.0, 0.01, 0.0, 0.0])
+        if scene.objects is None:
+            return
+
+
+def asks_where_objects_are(self: Rise, scene: Scene, parameters: Floats) -> Motion:
+    yield np.array([0.0, 0.0, 0.01 * (scene.object_positions[0, 2] > -1), 0.0, 0.0])
+
+
 BROKEN_PRIMITIVES: list[tuple[dict[str, Any], str]] = [
     ({"name": ""}, r"name is '': it must be a word"),
     ({"maximum_steps": 0}, r"maximum_steps of 'rise' is 0: .* at least 1"),
@@ -131,6 +156,24 @@ BROKEN_PRIMITIVES: list[tuple[dict[str, Any], str]] = [
     ({"motion": moves_scene}, r"motion\(\) of 'rise' changed scene\.gripper_position"),
     ({"motion": doubles_parameters}, r"motion\(\) of 'rise' changed its parameters"),
     ({"motion": remembers}, r"acted otherwise when run again.*into its generator"),
+    (
+        {"motion": looks_at_objects},
+        r"motion\(\) of 'rise' does otherwise in scenes without objects.*scene\.holding",
+    ),
+    ({"motion": stops_where_objects_are_unknown}, r"motion\(\) of 'rise' does otherwise in scenes"),
+    ({"motion": asks_where_objects_are}, r"'rise' asks where objects are.*scene\.holding"),
+    (
+        {"can_start": lambda self, scene: scene.held is None},
+        r"'rise' asks where objects are in can_start\(\), reachable\(\) or motion\(\)",
+    ),
+    (
+        {"can_start": lambda self, scene: scene.objects is not None},
+        r"can_start\(\) of 'rise' does otherwise in scenes without objects",
+    ),
+    (
+        {"reachable": lambda self, scene, _: scene.objects is not None},
+        r"reachable\(\) of 'rise' does otherwise in scenes without objects",
+    ),
     ({"succeeded": lambda *_: 1}, r"succeeded\(\) of 'rise' is 1, a int"),
 ]
 

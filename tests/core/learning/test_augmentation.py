@@ -5,12 +5,12 @@ import pytest
 from numpy.typing import NDArray
 
 from prime_core.arrays import Floats, Indices
-from prime_core.checks.samples import SPACE, sample_frames
+from prime_core.checks.samples import SPACE, sample_observations
 from prime_core.contracts.calls import OTHER, PrimitiveCall
 from prime_core.contracts.demonstration import Demonstration, ParsedDemonstration, Segment
 from prime_core.contracts.idm import InverseDynamicsModel
-from prime_core.contracts.observations import Frames
-from prime_core.learning.augmentation import AugmentationConfig, augmented_policy_data
+from prime_core.contracts.observations import Observations
+from prime_core.learning.augmentation import AugmentationConfig, augmented_calls
 
 FRAMES = 101
 
@@ -20,8 +20,8 @@ class EndsThere(InverseDynamicsModel):
 
     space = SPACE
 
-    def encode(self, frames: Frames) -> NDArray[np.float32]:
-        return np.zeros((len(frames), 1), dtype=np.float32)
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
+        return np.zeros((len(seen), 1), dtype=np.float32)
 
     def score(self, features: NDArray[np.float32], pairs: Indices) -> NDArray[np.float32]:
         return np.zeros((len(pairs), len(SPACE.names) + 1), dtype=np.float32)
@@ -36,13 +36,13 @@ class EndsThere(InverseDynamicsModel):
 
 @pytest.fixture
 def parsed() -> ParsedDemonstration:
-    frames = sample_frames(np.random.default_rng(0), FRAMES)
+    seen = sample_observations(np.random.default_rng(0), FRAMES)
     actions = np.zeros((FRAMES, 5), dtype=np.float32)
     pieces = [(0, 40, "reach"), (40, 50, OTHER), (50, 100, "nudge")]
     segments = [
         Segment(start, end, PrimitiveCall(name, np.zeros(0)), 0.0) for start, end, name in pieces
     ]
-    return ParsedDemonstration(Demonstration(frames, actions, "task"), tuple(segments))
+    return ParsedDemonstration(Demonstration(seen, actions, "task"), tuple(segments))
 
 
 @pytest.mark.parametrize(("share", "counts"), [(1.0, (40, 50)), (0.3, (12, 15)), (0.001, (1, 1))])
@@ -50,18 +50,18 @@ def test_parameters_are_learnt_from_where_segments_begin(
     parsed: ParsedDemonstration, share: float, counts: tuple[int, int]
 ) -> None:
     config = AugmentationConfig(parameter_share=share)
-    data = augmented_policy_data([parsed, parsed], EndsThere(), config, np.random.default_rng(0))
-    reach, nudge = (data.parameter_frames[data.parameter_labels == label] for label in (0, 1))
+    data = augmented_calls([parsed, parsed], EndsThere(), config, np.random.default_rng(0))
+    reach, nudge = (data.parameters.rows[data.parameters.classes == label, 0] for label in (0, 1))
     for found, start, count in zip((reach, nudge), (0, 50), counts, strict=True):
         once = np.arange(start, start + count)
         assert found.tolist() == [*once, *(once + FRAMES)]
-    ends = np.where(data.parameter_labels == 0, 40, 100)
-    assert np.array_equal(data.parameters[:, 0], ends)
+    ends = np.where(data.parameters.classes == 0, 40, 100)
+    assert np.array_equal(data.values[:, 0], ends)
 
 
 def test_types_are_learnt_from_all_but_the_end_of_a_segment(parsed: ParsedDemonstration) -> None:
     config = AugmentationConfig(type_margin=11)
-    data = augmented_policy_data([parsed], EndsThere(), config, np.random.default_rng(0))
-    assert data.type_frames.tolist() == [*range(29), *range(50, 89)]
+    data = augmented_calls([parsed], EndsThere(), config, np.random.default_rng(0))
+    assert data.types.rows[:, 0].tolist() == [*range(29), *range(50, 89)]
     for label in (0, 1):
-        assert data.type_weights[data.type_labels == label].sum() == pytest.approx(1.0)
+        assert data.types.weights[data.types.classes == label].sum() == pytest.approx(1.0)

@@ -11,10 +11,9 @@ from pydantic import ValidationError
 from prime_core.arrays import Floats
 from prime_core.contracts.parser import PairScores, ParsedSegment
 from prime_core.errors import PrimeError
-from prime_core.parsing import ScoredParserConfig
 from prime_core.parsing.dynamic_programming import DynamicProgrammingConfig
 from prime_core.parsing.greedy import GreedyConfig
-from prime_core.parsing.scored import Rule
+from prime_core.parsing.scored import Rule, ScoredParserConfig
 
 RULES: tuple[Rule, ...] = ("max", "argmax")
 CONFIGS = (DynamicProgrammingConfig, GreedyConfig)

@@ -8,7 +8,7 @@ import yaml
 from prime_core.errors import ConfigurationError
 from prime_core.experiments.reading import dump_experiment, read_experiment
 
-EXPERIMENTS = Path(__file__).parents[2] / "experiments"
+EXPERIMENTS = Path(__file__).parents[3] / "experiments"
 
 GOOD = """
 name: lift

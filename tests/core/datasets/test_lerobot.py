@@ -1,0 +1,164 @@
+"""LeRobot itself opens, resumes and shows the data sets, and writes the same files."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from prime_core.contracts.demonstration import Demonstration
+from prime_core.contracts.description import RobotDescription
+from prime_core.datasets import layout as lerobot_layout
+from prime_core.datasets.read import read_dataset, write_dataset
+
+from .samples import (
+    DATA,
+    DESCRIPTION,
+    ENVIRONMENT,
+    EPISODES,
+    LENGTHS,
+    assert_same,
+    demonstration,
+    write,
+)
+
+
+@pytest.fixture
+def lerobot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """LeRobot's data set class, its caches in the test's folder, the hub out of reach."""
+    lerobot_dataset = pytest.importorskip("lerobot.datasets.lerobot_dataset")
+    dataset_metadata = pytest.importorskip("lerobot.datasets.dataset_metadata")
+    config = pytest.importorskip("datasets.config")
+
+    def call_hub(*_: object, **__: object) -> None:
+        raise AssertionError("LeRobot asked the hub: it found the data set incomplete")
+
+    for module in (lerobot_dataset, dataset_metadata):
+        monkeypatch.setattr(module, "get_safe_version", call_hub)
+        monkeypatch.setattr(module, "snapshot_download", call_hub)
+    monkeypatch.setattr(config, "HF_DATASETS_CACHE", tmp_path / "cache")
+    return lerobot_dataset.LeRobotDataset
+
+
+def record(recorder: Any, item: Demonstration, **more: Any) -> None:
+    """Record an episode as LeRobot's users do."""
+    for step in range(len(item.observations)):
+        frame = {
+            "observation.state": item.observations.state[step],
+            "observation.environment_state": item.observations.environment_state[step],
+            "action": item.actions[step],
+            "task": item.task,
+        }
+        if item.simulator_states is not None:
+            frame["simulator_state"] = item.simulator_states[step]
+        recorder.add_frame(frame | more)
+    recorder.save_episode()
+    recorder.finalize()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("parsed", "motion_rows"), [(False, False), (True, False), (True, True)])
+def test_lerobot_opens_and_resumes(
+    tmp_path: Path, lerobot: Any, parsed: bool, motion_rows: bool
+) -> None:
+    root = tmp_path / "set"
+    written = write(root, parsed=parsed, motion_rows=motion_rows)
+    opened = lerobot("local/set", root=root)
+    assert (opened.num_episodes, len(opened)) == (3, sum(LENGTHS))
+    item = opened[LENGTHS[0] + 7]
+    np.testing.assert_array_equal(item["observation.state"], written[1].observations.state[7])
+    np.testing.assert_array_equal(item["action"], written[1].actions[7])
+    assert item["task"] == "task 1"
+    assert set(opened.meta.stats["action"]) >= {"mean", "std", "min", "max", "q01", "q99"}
+    window = lerobot("local/set", root=root, episodes=[2], delta_timestamps={"action": [0, 0.05]})
+    np.testing.assert_array_equal(window[3]["action"], written[2].actions[3:5])
+
+    more: dict[str, Any] = {"primitive_index": np.array([2])} if parsed else {}
+    if motion_rows:
+        more["language_persistent"] = None
+    added = demonstration(9, seed=7, task="task new")
+    record(lerobot.resume("local/set", root=root), added, **more)
+    opened = lerobot("local/set", root=root)
+    assert opened.num_episodes == 4
+    assert opened[len(opened) - 1]["task"] == "task new"
+    found = read_dataset(root, DESCRIPTION)
+    for left, right in zip(found.demonstrations, [*written, added], strict=True):
+        assert_same(left, right)
+    assert found.environment == ENVIRONMENT
+    lengths = None if found.segments is None else [len(items) for items in found.segments]
+    assert lengths == ([3, 3, 3, 0] if parsed else None)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_lerobot_shows_the_segments(tmp_path: Path, lerobot: Any) -> None:
+    torch = pytest.importorskip("torch")
+    language = pytest.importorskip("lerobot.datasets.language_render")
+    collate = pytest.importorskip("lerobot.utils.collate")
+    write(tmp_path / "set", parsed=True)
+    opened = lerobot("local/set", root=tmp_path / "set")
+    item = opened[LENGTHS[0] + 10]
+    row = language.active_at(
+        float(item["timestamp"]), persistent=item["language_persistent"], style="motion"
+    )
+    assert row["content"] == "other"
+    loader = torch.utils.data.DataLoader(
+        opened, batch_size=8, collate_fn=collate.lerobot_collate_fn
+    )
+    batch = next(iter(loader))
+    assert batch["action"].shape == (8, 5) and batch["primitive_index"].shape == (8,)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_a_set_of_lerobots_recorder_is_read(tmp_path: Path, lerobot: Any) -> None:
+    written = [demonstration(12, seed, f"task {seed}", simulated=False) for seed in range(3)]
+    features = {
+        "observation.state": {"dtype": "float32", "shape": (15,), "names": None},
+        "observation.environment_state": {"dtype": "float32", "shape": (16,), "names": None},
+        "action": {"dtype": "float32", "shape": (5,), "names": None},
+    }
+    root = tmp_path / "set"
+    record(lerobot.create("local/set", 20, features, root=root, use_videos=False), written[0])
+    for item in written[1:]:
+        record(lerobot.resume("local/set", root=root), item)
+    assert (root / "data/chunk-000/file-002.parquet").is_file()
+    for left, right in zip(read_dataset(root, DESCRIPTION).demonstrations, written, strict=True):
+        assert_same(left, right)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_the_files_are_those_of_lerobots_recorder(tmp_path: Path, lerobot: Any) -> None:
+    """The same episode, written by us and by LeRobot, gives the same columns and types."""
+    item = demonstration(20)
+    robot = RobotDescription(mjcf="", joint_names=(), end_effector="", name="panda")
+    write_dataset(tmp_path / "ours", [item], replace(DESCRIPTION, robot=robot))
+    features = json.loads((tmp_path / "ours/meta/info.json").read_text())["features"]
+    for key in lerobot_layout.BOOKKEEPING:
+        features.pop(key)
+    for feature in features.values():
+        feature["shape"] = tuple(feature["shape"])
+    root = tmp_path / "theirs"
+    options = {"root": root, "use_videos": False, "robot_type": "panda"}
+    record(lerobot.create("local/set", 20, features, **options), item)
+    for name in (DATA, EPISODES, "meta/tasks.parquet"):
+        ours, theirs = pq.read_schema(tmp_path / "ours" / name), pq.read_schema(root / name)
+        assert ours.equals(theirs), name
+    infos = [
+        json.loads((tmp_path / side / "meta/info.json").read_text()) for side in ("ours", "theirs")
+    ]
+    assert infos[0] == infos[1]
+    ours, theirs = (
+        json.loads((tmp_path / side / "meta/stats.json").read_text()) for side in ("ours", "theirs")
+    )
+    assert ours.keys() == theirs.keys()
+    for key, statistics in theirs.items():
+        for name, values in statistics.items():
+            # LeRobot reads quantiles off a histogram, which is coarse on twenty frames.
+            if not name.startswith("q"):
+                np.testing.assert_allclose(ours[key][name], values, atol=1e-5, err_msg=f"{key}")
