@@ -28,7 +28,7 @@ SETTLED_ANGLE = 0.01  # [rad]
 HOVER = 0.004
 """Height over the goal at which a descending hand waits that is aside of it [m].
 
-An arm whose joints still swing about a turn before pulls the hand aside, by up to 10 mm, and down."""
+An arm whose joints still swing after a turn pulls the hand aside, by up to 10 mm, and down."""
 ASIDE = 0.002  # [m] in the plane, about where it is settled, from which on it waits
 SLOW_STEP = 0.001  # [m] a step, 20 mm/s: fingers that close earlier push things aside
 STALL_STEPS = 8
@@ -104,7 +104,7 @@ def settle(scene: Scene, goal: Array, mover: Mover, hover: float = 0.0) -> Phase
     return scene
 
 
-def rest(scene: Scene, goal: Array, mover: Mover) -> Phase:
+def rest(scene: Scene, goal: Array, mover: Mover) -> Generator[Action, Scene, Scene | None]:
     """Stay at a goal until the gripper is slow; it takes at least one step.
 
     An approach that ended because something was in the way may still be moving.
@@ -113,12 +113,15 @@ def rest(scene: Scene, goal: Array, mover: Mover) -> Phase:
         scene: Where it starts.
         goal: ``(4,)``.
         mover: Makes the actions.
+
+    Returns:
+        The last scene, or None if the gripper does not come to rest.
     """
     for _ in range(STALL_STEPS):
         before, scene = scene, (yield mover.action(scene, goal))
         if is_slow(before, scene):
-            break
-    return scene
+            return scene
+    return None
 
 
 def hold(scene: Scene, goal: Array, mover: Mover, steps: int) -> Phase:
