@@ -7,10 +7,10 @@ import pytest
 
 from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.grasp import GraspConfig
-from prime_primitives_scripted.place import PlaceConfig
+from prime_primitives_scripted.place import OPENING_STEPS, PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig
 
-from .floating_gripper import DESCRIPTION, scene_at
+from .floating_gripper import DESCRIPTION, block_moved, held_now, scene_at
 
 HERE = np.array([0.1, 0.0, 0.9, 0.3])
 reach = ReachConfig().build(DESCRIPTION)
@@ -60,20 +60,59 @@ def test_grasp_holds_a_graspable_object_where_it_was_called_to() -> None:
     assert not grasp.succeeded([scene_at(held="block"), ended("block")], HERE)
 
 
-def released(steps: int = 10) -> list[Scene]:
-    """Scenes of a place: two on the way with the block held, then the gripper opens."""
+def released(drop: float = -0.02, slide: float = 0.0) -> list[Scene]:
+    """Scenes of a place: two on the way with the block held, then the gripper opens.
+
+    The block moves by `slide` and `drop` [m] at once, and then lies where it is.
+    """
     closed = replace(ended("block"), gripper_opening=0.03)
-    opening = [replace(ended(), gripper_opening=0.03 + 0.005 * step) for step in range(steps)]
+    widths = np.minimum(0.03 + 0.005 * np.arange(OPENING_STEPS), 0.08)
+    opening = [
+        block_moved(replace(ended(), gripper_opening=width), [slide, 0.0, drop]) for width in widths
+    ]
     return [scene_at(held="block", opening=0.03), closed, *opening]
 
 
-def test_place_lets_go_at_its_end() -> None:
+def test_place_lets_go_and_what_it_held_lies_there() -> None:
     assert place.succeeded(released(), HERE)
+
+
+@pytest.mark.parametrize(
+    ("drop", "slide", "fine"),
+    [(-0.07, 0.0, True), (-0.09, 0.0, False), (-0.02, 0.02, True), (-0.02, 0.04, False)],
+)
+def test_place_puts_down_and_does_not_drop(drop: float, slide: float, fine: bool) -> None:
+    assert place.succeeded(released(drop, slide), HERE) == fine
+
+
+def test_how_far_things_may_fall_and_slide_are_settings() -> None:
+    strict = PlaceConfig(greatest_fall=0.01, greatest_slide=0.005).build(DESCRIPTION)
+    assert strict.succeeded(released(drop=-0.005), HERE)
+    assert not strict.succeeded(released(drop=-0.02), HERE)
+    assert not strict.succeeded(released(drop=-0.005, slide=0.01), HERE)
+
+
+def test_place_fails_while_the_object_still_moves() -> None:
+    scenes = released()
+    scenes[-1] = block_moved(scenes[-1], [0.0, 0.0, -0.002])
+    assert not place.succeeded(scenes, HERE)
+
+
+def test_place_fails_where_it_let_go_higher_than_its_parameters_say() -> None:
+    higher = HERE + np.array([0.0, 0.0, 0.011, 0.0])
+    assert place.succeeded(released(), higher - [0.0, 0.0, 0.002, 0.0])
+    assert not place.succeeded(released(), higher)
+
+
+def test_where_the_hand_goes_after_the_release_does_not_matter() -> None:
+    scenes = released()
+    away = replace(scenes[-1], gripper_position=HERE[:3] + np.array([0.0, 0.0, 0.05]))
+    assert place.succeeded([*scenes[:-1], away], HERE)
 
 
 def test_place_fails_if_the_object_is_lost_on_the_way() -> None:
     scenes = released()
-    scenes[1] = replace(scenes[1], held=None)
+    scenes[1] = held_now(scenes[1], None)
     assert not place.succeeded(scenes, HERE)
 
 
@@ -90,7 +129,7 @@ def test_place_fails_if_the_fingers_are_only_forced_apart() -> None:
 
 def test_place_fails_if_something_is_held_at_the_end() -> None:
     scenes = released()
-    scenes[-1] = replace(scenes[-1], held="block")
+    scenes[-1] = held_now(scenes[-1], "block")
     assert not place.succeeded(scenes, HERE)
 
 
@@ -100,18 +139,3 @@ def test_place_fails_if_it_held_nothing_or_ended_early_or_never_opened() -> None
     assert not place.succeeded(scenes[:5], HERE)
     shut = [replace(scene, gripper_opening=0.0) for scene in scenes[2:]]
     assert not place.succeeded([*scenes[:2], *shut], HERE)
-
-
-def test_place_may_be_asked_to_put_down_rather_than_to_drop() -> None:
-    careful = PlaceConfig(greatest_fall=0.08, greatest_slide=0.03).build(DESCRIPTION)
-    for move, fine in (
-        ((0.0, 0.0, -0.07), True),
-        ((0.02, 0.0, -0.02), True),
-        ((0.0, 0.0, -0.09), False),
-        ((0.03, 0.02, -0.02), False),
-    ):
-        scenes = released()
-        last = scenes[-1]
-        scenes[-1] = replace(last, object_positions=last.object_positions + move)
-        assert careful.succeeded(scenes, HERE) == fine
-        assert place.succeeded(scenes, HERE)  # the paper asks nothing of where it ends up

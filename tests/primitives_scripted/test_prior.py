@@ -13,7 +13,7 @@ from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.reach import ReachConfig
 
-from .floating_gripper import DESCRIPTION, scene_at
+from .floating_gripper import DESCRIPTION, held_now, scene_at
 
 
 def draws(primitive: Primitive, scene: Scene, count: int = 200) -> np.ndarray:
@@ -40,7 +40,7 @@ def test_places_spread_in_height_and_free_yaws_over_all_angles() -> None:
     place = PlaceConfig().build(DESCRIPTION)
     drawn = draws(place, scene_at(held="block"))
     assert np.all((drawn[:, :2] > 0.05) & (drawn[:, :2] < 0.25))
-    assert drawn[:, 2].std() > 0.05
+    assert 0.02 < drawn[:, 2].std() < 0.04
     # Draws beyond the bounds are drawn again, not heaped up there.
     assert not np.any(np.isin(drawn[:, 2], [place.parameter_space.low[2], 1.1]))
     assert drawn[:, 3].min() < -1.3
@@ -129,6 +129,6 @@ def test_what_is_held_can_go_onto_another_object() -> None:
 
 def test_places_of_what_is_held_say_nothing_to_an_empty_gripper() -> None:
     above = Affordance("reach", None, (-0.2, 0.0, 1.0), (-0.2, 0.0, 1.0))
-    scene = replace(held_by_its_end(replace(PEG, action="reach"), above), held=None)
+    scene = held_now(held_by_its_end(replace(PEG, action="reach"), above), None)
     drawn = draws(ReachConfig().build(scene.description), scene)
     assert np.abs(drawn[:, 0] + 0.2).max() < 0.03

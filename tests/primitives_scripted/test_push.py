@@ -15,7 +15,7 @@ from prime_core.execution.motions import run_primitive, settle
 from prime_envs_robosuite.config import LiftConfig
 from prime_primitives_scripted.push import Push, PushConfig
 
-from .floating_gripper import DESCRIPTION, scene_at
+from .floating_gripper import DESCRIPTION, block_moved, held_now, scene_at
 
 SIDES = tuple(
     Affordance("push", "block", point, point, None)
@@ -34,17 +34,17 @@ push = PushConfig().build(WITH_PUSH)
 def world_scene(position: np.ndarray, block: tuple[float, float], held: str | None = None) -> Scene:
     """Return a scene with the gripper and the block somewhere [m]."""
     scene = replace(scene_at(position, yaw=0.3, held=held), description=WITH_PUSH)
-    moved = scene.object_positions.copy()
-    moved[0, :2] = block
-    return replace(scene, object_positions=moved)
+    return block_moved(scene, np.append(block, 0.82) - scene.object_positions[0])
 
 
 def run(block_end: tuple[float, float], end: float = 0.2, start: float = 0.0) -> list[Scene]:
-    """Return scenes: before, at the push's start, and at its end."""
+    """Return scenes: before, at the push's start, at its end, and a step later, all still."""
+    last = world_scene(CALL[:3] + np.array([end, 0.0, 0.0]), block_end)
     return [
         world_scene(np.array([0.0, 0.0, 1.0]), (0.1, -0.1)),
         world_scene(CALL[:3] + np.array([start, 0.0, 0.0]), (0.1, -0.1)),
-        world_scene(CALL[:3] + np.array([end, 0.0, 0.0]), block_end),
+        last,
+        last,
     ]
 
 
@@ -62,6 +62,20 @@ def test_it_counts_where_both_ends_were_reached_and_the_object_moved_along() -> 
     assert not push.succeeded(run((0.1, 0.05)), CALL)
 
 
+def test_what_still_slides_or_went_farther_than_the_hand_does_not_count() -> None:
+    *before, after = run((0.25, -0.1))
+    assert push.succeeded([*before, block_moved(after, [0.0005, 0.0, 0.0])], CALL)
+    assert not push.succeeded([*before, block_moved(after, [0.002, 0.0, 0.0])], CALL)
+    assert push.succeeded(run((0.31, -0.1)), CALL)
+    assert not push.succeeded(run((0.32, -0.1)), CALL)
+
+
+def test_what_was_moved_on_the_way_to_the_start_does_not_count() -> None:
+    scenes = run((0.25, -0.1))
+    scenes[1] = block_moved(scenes[1], [0.02, 0.0, 0.0])
+    assert not push.succeeded(scenes, CALL)
+
+
 def test_what_may_not_be_pushed_does_not_count() -> None:
     other = PushConfig().build(DESCRIPTION)
     scenes = [replace(scene, description=DESCRIPTION) for scene in run((0.25, -0.1))]
@@ -70,7 +84,7 @@ def test_what_may_not_be_pushed_does_not_count() -> None:
 
 def test_what_is_taken_along_in_the_fingers_does_not_count() -> None:
     *before, after = run((0.25, -0.1))
-    assert not push.succeeded([*before, replace(after, held="block")], CALL)
+    assert not push.succeeded([*before, held_now(after, "block")], CALL)
 
 
 def test_the_prior_goes_from_beside_an_object_through_it() -> None:

@@ -52,9 +52,11 @@ class Grasp(ScriptedPrimitive):
         mover = Mover(self._servo, OPEN)
         scene = yield from self._approach(scene, goal, mover)
         if self._is_there(scene, parameters):
-            scene = yield from rest(scene, goal, mover)
-            mover.gripper = CLOSE
-            yield from hold(scene, goal, mover, CLOSING_STEPS)
+            still = yield from rest(scene, goal, mover)
+            # Fingers that close on their way push the object aside.
+            if still is not None:
+                mover.gripper = CLOSE
+                yield from hold(still, goal, mover, CLOSING_STEPS)
 
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether the gripper is there and has come to hold an object that may be grasped."""

@@ -25,6 +25,11 @@ WAYPOINT_DISTANCE = 0.02  # [m] from lift height, and from above the goal
 WAYPOINT_ANGLE = 0.2  # [rad]
 SETTLED_DISTANCE = 0.0015  # [m]
 SETTLED_ANGLE = 0.01  # [rad]
+HOVER = 0.004
+"""Height over the goal at which a descending hand waits that is aside of it [m].
+
+An arm whose joints still swing after a turn pulls the hand aside, by up to 10 mm, and down."""
+ASIDE = 0.002  # [m] in the plane, about where it is settled, from which on it waits
 SLOW_STEP = 0.001  # [m] a step, 20 mm/s: fingers that close earlier push things aside
 STALL_STEPS = 8
 STALL_DISTANCE = 0.0003  # [m] a step
@@ -73,10 +78,10 @@ def approach(scene: Scene, goal: Array, mover: Mover) -> Phase:
         )
         above = np.array([goal[0], goal[1], lift_height, goal[3]])
         scene = yield from move_while(lambda now: not is_above(now, goal), scene, above, mover)
-    return (yield from settle(scene, goal, mover))
+    return (yield from settle(scene, goal, mover, HOVER))
 
 
-def settle(scene: Scene, goal: Array, mover: Mover) -> Phase:
+def settle(scene: Scene, goal: Array, mover: Mover, hover: float = 0.0) -> Phase:
     """Head for a goal until the gripper is there, stands still or stands on something.
 
     It takes at least one step.
@@ -85,18 +90,21 @@ def settle(scene: Scene, goal: Array, mover: Mover) -> Phase:
         scene: Where it starts.
         goal: ``(4,)``.
         mover: Makes the actions.
+        hover: How far above the goal it stays at most while it is aside of it [m].
     """
     still = blocked = 0
     while still < STALL_STEPS and blocked < BLOCKED_STEPS:
-        before, scene = scene, (yield mover.action(scene, goal))
+        aside = plane_distance(scene, goal) - ASIDE
+        target = goal + np.array([0.0, 0.0, float(np.clip(aside, 0.0, hover)), 0.0])
+        before, scene = scene, (yield mover.action(scene, target))
         if is_settled(scene, goal) and is_slow(before, scene):
             break
         still = still + 1 if is_still(before, scene) else 0
-        blocked = blocked + 1 if is_blocked(before, scene, goal) else 0
+        blocked = blocked + 1 if is_blocked(before, scene, target) else 0
     return scene
 
 
-def rest(scene: Scene, goal: Array, mover: Mover) -> Phase:
+def rest(scene: Scene, goal: Array, mover: Mover) -> Generator[Action, Scene, Scene | None]:
     """Stay at a goal until the gripper is slow; it takes at least one step.
 
     An approach that ended because something was in the way may still be moving.
@@ -105,12 +113,15 @@ def rest(scene: Scene, goal: Array, mover: Mover) -> Phase:
         scene: Where it starts.
         goal: ``(4,)``.
         mover: Makes the actions.
+
+    Returns:
+        The last scene, or None if the gripper does not come to rest.
     """
     for _ in range(STALL_STEPS):
         before, scene = scene, (yield mover.action(scene, goal))
         if is_slow(before, scene):
-            break
-    return scene
+            return scene
+    return None
 
 
 def hold(scene: Scene, goal: Array, mover: Mover, steps: int) -> Phase:

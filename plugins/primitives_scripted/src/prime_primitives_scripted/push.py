@@ -24,10 +24,9 @@ from prime_primitives_scripted.scripted import (
 from prime_primitives_scripted.step_limits import way_limit
 
 GREATEST_DISPLACEMENT = (0.4, 0.4, 0.01)  # [m] (paper's release)
-
-
 LEAST_MOVE = 0.07  # [m] that an object must move in the plane to count as pushed (paper's release)
 DIRECTION_TOLERANCE = 0.5  # [rad] by which its direction may differ from the gripper's
+STAYED = 0.01  # [m] that it may have moved when the push begins
 
 
 class PushConfig(ScriptedConfig):
@@ -129,28 +128,35 @@ class Push(ScriptedPrimitive):
     def succeeded(self, scenes: Sequence[Scene], parameters: Array) -> bool:
         """Whether it came to both ends, and pushed an object that may be pushed.
 
-        The object moved along with the gripper, no further than it, and lies still.
+        From the push's start on the object moved along with the gripper, no further than it, and
+        lies still. It lay still until then: a start is told from where the object was before.
         """
-        before, after = scenes[0], scenes[-1]
-        if before.held is not None or after.held is not None:
+        after = scenes[-1]
+        if scenes[0].held is not None or after.held is not None:
             return False
-        started = any(self._is_there(scene, parameters) for scene in scenes)
+        began = next((item for item in scenes if self._is_there(item, parameters)), None)
         ended = distance(after, _end(parameters)) < self._push.position_tolerance
-        return (
-            started
-            and ended
-            and any(
-                item.pushable and self._was_pushed(scenes, index, parameters[4:6])
-                for index, item in enumerate(after.description.objects)
-            )
+        if began is None or not ended:
+            return False
+        return any(
+            item.pushable
+            and _plane_move(scenes[0], began, index)[1] < STAYED
+            and self._moved_along(_plane_move(began, after, index), parameters[4:6])
+            and lies_still(scenes, index)
+            for index, item in enumerate(after.description.objects)
         )
 
-    def _was_pushed(self, scenes: Sequence[Scene], index: int, way: Array) -> bool:
-        move = (scenes[-1].object_positions[index] - scenes[0].object_positions[index])[:2]
-        length, most = float(np.linalg.norm(move)), float(np.linalg.norm(way))
+    def _moved_along(self, moved: tuple[Array, float], way: Array) -> bool:
+        move, length = moved
+        most = float(np.linalg.norm(way))
         along = float(move @ way) >= np.cos(DIRECTION_TOLERANCE) * length * most
-        far_enough = LEAST_MOVE < length < most + self._push.position_tolerance
-        return along and far_enough and lies_still(scenes, index)
+        return along and LEAST_MOVE < length < most + self._push.position_tolerance
+
+
+def _plane_move(before: Scene, after: Scene, index: int) -> tuple[Array, float]:
+    """Return how an object moved in the plane [m], ``(2,)``, and how far [m]."""
+    move = (after.object_positions[index] - before.object_positions[index])[:2]
+    return move, float(np.linalg.norm(move))
 
 
 def _end(parameters: Array) -> Array:

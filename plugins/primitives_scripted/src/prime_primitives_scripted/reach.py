@@ -10,7 +10,7 @@ from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.scripted import Array, Deviations, ScriptedConfig, ScriptedPrimitive
 
 CLOSED_BELOW = 0.04
-"""Opening below which an empty gripper counts as closed, and is kept so [m]: half of the greatest."""
+"""Opening below which an empty gripper counts as closed, half of the greatest [m]."""
 
 
 class ReachConfig(ScriptedConfig):
