@@ -20,6 +20,13 @@ from ..point_mass import SOLVED_HEIGHT, PointMass
 CEILING = SOLVED_HEIGHT + 0.1
 
 
+class NeverSolved(PointMass):
+    """Is never solved."""
+
+    def is_success(self) -> bool:
+        return False
+
+
 class Rise(Primitive):
     """Goes to a height in steps of an action's length."""
 
