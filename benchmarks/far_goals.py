@@ -3,8 +3,8 @@
     python benchmarks/far_goals.py --goals 200
     python benchmarks/far_goals.py --goals 200 --limit 70     # the fixed limit of before
 
-Goals are drawn uniformly in each task's workspace, at least 0.3 m from the gripper, from poses that such goals
-were reached before; only goals that `Reach.reachable` does not refuse count.
+Goals are drawn uniformly in each task's workspace, at least 0.3 m from the gripper, which starts
+where it reached the goal before; only goals that `Reach.reachable` does not refuse count.
 """
 
 from __future__ import annotations

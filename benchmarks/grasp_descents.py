@@ -26,7 +26,8 @@ def main() -> None:
     parser.add_argument("--descents", type=int, default=200, help="in each task")
     arguments = parser.parse_args()
     print(
-        "| task | descents | lowest below the goal, median / max [mm] | speed at closing, max [mm/s] | steps | success |"
+        "| task | descents | lowest below the goal, median / max [mm] "
+        "| speed at closing, max [mm/s] | steps | success |"
     )
     print("|---|---|---|---|---|---|")
     for task in TASKS:

@@ -2,9 +2,9 @@
 
     python benchmarks/holding.py --episodes 40
 
-In scenes without objects, holding is told from the gripper's last command and its opening. Episodes of the
-collection are run in every task; of the frames of their rollouts, and of the frames where primitives
-start, it prints the share in which both say the same, and the openings that separate them best.
+In scenes without objects, holding is told from the gripper's last command and its opening. Episodes
+of the collection are run in every task; of the frames of their rollouts, and of the frames where
+primitives start, it prints the share in which both say the same.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ def main() -> None:
     for task in TASKS:
         inside, starts = agreement(task, arguments.episodes, arguments.seed)
         print(
-            f"| {task} | {len(inside)} | {inside.mean():.3f} | {len(starts)} | {starts.mean():.3f} |",
+            f"| {task} | {len(inside)} | {inside.mean():.3f} | {len(starts)} "
+            f"| {starts.mean():.3f} |",
             flush=True,
         )
 

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from prime_core.collection.episode import collect_episode
 from prime_core.collection.settings import CollectionConfig
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_envs_robosuite.tasks.robosuite_import import quiet_robosuite
 from prime_envs_robosuite.config import (
     CleanUpConfig,
     LiftConfig,
@@ -32,6 +31,7 @@ from prime_envs_robosuite.config import (
     TidyUpConfig,
 )
 from prime_envs_robosuite.environment import RobosuiteEnvironment
+from prime_envs_robosuite.tasks.robosuite_import import quiet_robosuite
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.push import PushConfig

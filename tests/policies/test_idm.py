@@ -216,9 +216,7 @@ def test_where_a_push_started_is_found(tmp_path: Path) -> None:
 
 def test_a_training_that_diverges_is_not_kept_as_done(tmp_path: Path, few: CallData) -> None:
     wild = BRIEF.model_copy(update={"learning_rate": 1e30})
-    with pytest.raises(
-        PrimeError, match=r"'classifier' diverged in epoch 1: .*lower learning_rate"
-    ):
+    with pytest.raises(PrimeError, match=r"'classifier' diverged in epoch 1: .*learning_rate"):
         wild.fit(few, context(tmp_path))
     assert not list(tmp_path.glob("*.safetensors"))
     with pytest.raises(PrimeError, match=r"model\.yaml is missing"):

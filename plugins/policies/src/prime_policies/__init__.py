@@ -1,8 +1,7 @@
 """Networks that recognise primitives in demonstrations, and that choose the next one.
 
-`networks` has what they compute, `training` how they learn; each model has a folder of its own, with
-its settings in ``config``. Importing this package loads no torch: settings import their networks
-when they train or load.
+`networks` has what they compute, `training` how they learn; each model has a folder of its own.
+Importing this package loads no torch: settings import their networks when they train or load.
 """
 
 from prime_core.hookspecs import Register, hookimpl

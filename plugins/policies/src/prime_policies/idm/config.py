@@ -1,21 +1,14 @@
-"""Settings of the inverse dynamics model ``mlp-gmm``."""
+"""What is registered as ``mlp-gmm``."""
 
 from pathlib import Path
 
-from pydantic import Field
-
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
-from prime_policies.training.settings import NetworkSettings
+from prime_policies.idm.settings import MlpGmmSettings
 
 
-class MlpGmmIdmConfig(IdmConfig, NetworkSettings):
-    """A classifier of primitives and a task-parameterised mixture of parameters, on object poses."""
-
-    classifier_epochs: int = Field(12, ge=1)
-    """Epochs of the classifier."""
-    parameter_epochs: int = Field(12, ge=1)
-    """Epochs of the mixture."""
+class MlpGmmIdmConfig(IdmConfig, MlpGmmSettings):
+    """A classifier of primitives and a task-parameterised mixture of their parameters."""
 
     def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
         """Train both networks, one after the other; see `IdmConfig`."""

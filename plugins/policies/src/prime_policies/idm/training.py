@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
-from prime_policies.idm.config import MlpGmmIdmConfig
 from prime_policies.idm.model import MlpGmmIdm
+from prime_policies.idm.settings import MlpGmmSettings
 from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.parameter_network import ParameterNetwork
 from prime_policies.training import building
@@ -17,7 +17,7 @@ from prime_policies.training.weights import Card, check_card, load_weights, make
 KIND = "mlp-gmm"
 
 
-def fit_idm(config: MlpGmmIdmConfig, data: CallData, context: TrainingContext) -> MlpGmmIdm:
+def fit_idm(config: MlpGmmSettings, data: CallData, context: TrainingContext) -> MlpGmmIdm:
     """Train the classifier, then the parameters; see `IdmConfig.fit`."""
     context.folder.mkdir(parents=True, exist_ok=True)
     card = _card(config, context)
@@ -43,7 +43,7 @@ def fit_idm(config: MlpGmmIdmConfig, data: CallData, context: TrainingContext) -
     return MlpGmmIdm(context.space, encoder, classifier, parameters)
 
 
-def load_idm(config: MlpGmmIdmConfig, folder: Path, context: ModelContext) -> MlpGmmIdm:
+def load_idm(config: MlpGmmSettings, folder: Path, context: ModelContext) -> MlpGmmIdm:
     """Load what `fit_idm` left in a folder."""
     check_card(folder, _card(config, context))
     encoder = CallEncoder(context.description, context.space, pair=True)
@@ -54,7 +54,7 @@ def load_idm(config: MlpGmmIdmConfig, folder: Path, context: ModelContext) -> Ml
 
 
 def _build(
-    config: MlpGmmIdmConfig, encoder: CallEncoder, context: ModelContext, seed: int
+    config: MlpGmmSettings, encoder: CallEncoder, context: ModelContext, seed: int
 ) -> tuple[Classifier, ParameterNetwork]:
     width, classes = encoder.features.width, len(context.space.names) + 1
     return (
@@ -65,5 +65,5 @@ def _build(
     )
 
 
-def _card(config: MlpGmmIdmConfig, context: ModelContext) -> Card:
+def _card(config: MlpGmmSettings, context: ModelContext) -> Card:
     return make_card(KIND, config.model_dump(mode="json"), context.description, context.space)

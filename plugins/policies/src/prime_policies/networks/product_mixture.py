@@ -1,7 +1,7 @@
 """Task-parameterised mixtures: each component is a product of Gaussians in frames of reference.
 
-"Grasp 5 cm above box B, across it" is a component whose Gaussian is narrow in box B's frame and wide
-in all others: it has an offset and a precision in each frame, and its mean is the mean of the
+"Grasp 5 cm above box B, across it" is a component whose Gaussian is narrow in box B's frame and
+wide in all others: it has an offset and a precision in each frame, and its mean is the mean of the
 offsets there, weighted by the precisions. It moves and turns with the box. A small network only
 weighs the components. See Calinon, "A tutorial on task-parameterized movement learning and
 retrieval", 2016; Bishop, "Mixture density networks", 1994.

@@ -1,9 +1,9 @@
 """Frames of reference: upright poses that a primitive's parameters may be relative to.
 
 Of one instant: the world, and each object, with its yaw and without; the gripper's yaw, for angles.
-Of a pair of instants: also the gripper at both, and each object at the end, and along the way that it
-moved, and the gripper carried along by it. The idea is that of task-parameterised mixtures (Calinon, "A tutorial on task-parameterized
-movement learning and retrieval", 2016).
+Of a pair of instants: also the gripper at both, each object at the end and along the way that it
+moved, and the gripper carried along by it. See Calinon, "A tutorial on task-parameterized movement
+learning and retrieval", 2016.
 """
 
 from collections.abc import Iterator

@@ -1,7 +1,7 @@
 """Where the components of a mixture start: offsets that examples gather about.
 
-A likelihood of many components has poor optima far from the data. So each starts at an offset, in one
-frame of reference for each group of numbers, that as many examples as possible share which no
+A likelihood of many components has poor optima far from the data. So each starts at an offset, in
+one frame of reference for each group of numbers, that as many examples as possible share which no
 earlier component explains.
 """
 

@@ -16,8 +16,8 @@ from prime_policies.training.call_examples import CallEncoder
 from prime_policies.training.threads import threads
 
 DRAWS = 50  # of parameters, where the likeliest ones are not wanted
-# Of rollouts in a call's score. They hold only what the arm can do there, which thirty demonstrations
-# do not tell and fine-tuning forgets.
+# Of rollouts in a call's score. They hold only what the arm can do there, which thirty
+# demonstrations do not tell and fine-tuning forgets.
 PRIOR_SHARE = 0.3
 BLUR = 0.05  # over the scales, one or two centimetres: calls that are so near do the same
 

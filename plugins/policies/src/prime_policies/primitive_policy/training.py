@@ -12,8 +12,8 @@ from torch import nn
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.parameter_network import ParameterNetwork
-from prime_policies.primitive_policy.config import PrimePolicyConfig
 from prime_policies.primitive_policy.policy import PrimePolicy
+from prime_policies.primitive_policy.settings import PrimePolicySettings
 from prime_policies.training import building
 from prime_policies.training.building import CLASSIFIER, PARAMETERS
 from prime_policies.training.call_examples import CallEncoder
@@ -34,14 +34,14 @@ PRETRAINED = PARAMETERS + AFTER_PRETRAINING
 
 
 def fit_policy(
-    config: PrimePolicyConfig,
+    config: PrimePolicySettings,
     rollouts: CallData | None,
     demonstrations: CallData,
     context: TrainingContext,
 ) -> list[Path]:
     """Train the classifier, then the parameters; see `PrimitivePolicyConfig.fit`."""
     context.folder.mkdir(parents=True, exist_ok=True)
-    data = [*([rollouts] if config.pretrain and rollouts is not None else []), demonstrations]
+    data = [*([] if rollouts is None else [rollouts]), demonstrations]
     card = _card(config, context)
     encoder = CallEncoder(context.description, context.space, pair=False)
     classifier, parameters = _build(config, encoder, context, context.seed)
@@ -65,7 +65,9 @@ def fit_policy(
     return fitting.checkpoints
 
 
-def load_policy(config: PrimePolicyConfig, checkpoint: Path, context: ModelContext) -> PrimePolicy:
+def load_policy(
+    config: PrimePolicySettings, checkpoint: Path, context: ModelContext
+) -> PrimePolicy:
     """Load a checkpoint that `fit_policy` left."""
     check_card(checkpoint, _card(config, context))
     encoder = CallEncoder(context.description, context.space, pair=False)
@@ -83,7 +85,7 @@ def load_policy(config: PrimePolicyConfig, checkpoint: Path, context: ModelConte
 class _Fitting:
     """Pretrains and fine-tunes networks into checkpoints."""
 
-    def __init__(self, config: PrimePolicyConfig, trainer: Trainer) -> None:
+    def __init__(self, config: PrimePolicySettings, trainer: Trainer) -> None:
         self._config, self._trainer = config, trainer
         folder = trainer.context.folder
         epochs = range(1, config.finetuning_epochs + 1)
@@ -144,7 +146,7 @@ def _measure(network: Classifier | ParameterNetwork, examples: list[Examples]) -
 
 
 def _build(
-    config: PrimePolicyConfig, encoder: CallEncoder, context: ModelContext, seed: int
+    config: PrimePolicySettings, encoder: CallEncoder, context: ModelContext, seed: int
 ) -> tuple[Classifier, ParameterNetwork]:
     width = encoder.features.width
     return (
@@ -155,5 +157,5 @@ def _build(
     )
 
 
-def _card(config: PrimePolicyConfig, context: ModelContext) -> Card:
+def _card(config: PrimePolicySettings, context: ModelContext) -> Card:
     return make_card(KIND, config.model_dump(mode="json"), context.description, context.space)

@@ -1,4 +1,4 @@
-"""The one training loop of all networks: resumable, seeded; it stops where numbers are not finite."""
+"""The one training loop: resumable, seeded, and it stops where numbers are not finite."""
 
 import math
 import zlib
