@@ -106,7 +106,7 @@ def test_parameters_are_better_than_where_the_gripper_ends(
 
 
 def test_few_rollouts_are_enough_for_parameters(tmp_path: Path, unseen: CallData) -> None:
-    idm = fit(pair_data(rollouts(seed=3, episodes=12)), tmp_path)
+    idm = CONFIG.fit(pair_data(rollouts(seed=3, episodes=12)), context(tmp_path))
     pairs, labels = unseen.parameters.rows, unseen.parameters.classes
     found, _ = idm.parameters(idm.encode(unseen.observations), pairs, labels)
     ends = unseen.observations.state[pairs[:, 1], :3]
