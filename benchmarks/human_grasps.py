@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from prime_core.contracts.demonstration import Demonstration, Segment
-from prime_core.contracts.observations import OBJECT_WIDTH
 from prime_core.datasets.read import read_dataset
 
 LASTING = 10  # frames
@@ -22,15 +21,14 @@ STAYING = 0.02  # [m] that the gripper may have moved since, at a segment's end
 
 def grasp_frames(shown: Demonstration) -> list[int]:
     """Return the frames from which an object is held for a while."""
-    objects = shown.frames.environment_state.reshape(len(shown.frames), -1, OBJECT_WIDTH)
-    held = objects[:, :, 7].max(axis=1) > 0.5
+    held = shown.observations.held.any(axis=1)
     begins = np.flatnonzero(held & ~np.append(False, held[:-1]))
     return [int(frame) for frame in begins if held[frame : frame + LASTING].all()]
 
 
 def is_around(segment: Segment, frame: int, shown: Demonstration) -> bool:
     """Whether a segment starts before a grasp, and ends with the gripper still there."""
-    moved = shown.frames.state[segment.end, :3] - shown.frames.state[frame, :3]
+    moved = shown.observations.gripper_position[segment.end] - shown.observations.gripper_position[frame]
     ends_there = segment.end >= frame - EARLY and np.linalg.norm(moved) < STAYING
     return bool(segment.start < frame and ends_there)
 
@@ -52,7 +50,7 @@ def main(folders: list[str]) -> None:
             spans = ", ".join(f"{item.start}-{item.end}" for item in grasps)
             real = ", ".join(map(str, frames))
             answer = "yes" if around else "no"
-            print(f"| {folder} | {number} | {len(shown.frames)} | {real} | {spans} | {answer} |")
+            print(f"| {folder} | {number} | {len(shown.observations)} | {real} | {spans} | {answer} |")
     print(f"\n{found} of {total} have a grasp segment that starts before a real grasp, and ends")
     print(f"at most {EARLY} frames before it or later, with the gripper within {STAYING} m of it.")
 
