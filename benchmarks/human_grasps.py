@@ -28,7 +28,10 @@ def grasp_frames(shown: Demonstration) -> list[int]:
 
 def is_around(segment: Segment, frame: int, shown: Demonstration) -> bool:
     """Whether a segment starts before a grasp, and ends with the gripper still there."""
-    moved = shown.observations.gripper_position[segment.end] - shown.observations.gripper_position[frame]
+    moved = (
+        shown.observations.gripper_position[segment.end]
+        - shown.observations.gripper_position[frame]
+    )
     ends_there = segment.end >= frame - EARLY and np.linalg.norm(moved) < STAYING
     return bool(segment.start < frame and ends_there)
 
@@ -50,7 +53,9 @@ def main(folders: list[str]) -> None:
             spans = ", ".join(f"{item.start}-{item.end}" for item in grasps)
             real = ", ".join(map(str, frames))
             answer = "yes" if around else "no"
-            print(f"| {folder} | {number} | {len(shown.observations)} | {real} | {spans} | {answer} |")
+            print(
+                f"| {folder} | {number} | {len(shown.observations)} | {real} | {spans} | {answer} |"
+            )
     print(f"\n{found} of {total} have a grasp segment that starts before a real grasp, and ends")
     print(f"at most {EARLY} frames before it or later, with the gripper within {STAYING} m of it.")
 

@@ -119,7 +119,7 @@ def test_a_new_learning_rate_redoes_the_policy_and_what_depends_on_it_no_more(
     assert all(
         ok for name, ok in done(experiment(finished)).items() if not name.startswith("video")
     )
-    changed = done(experiment(finished, "policies.prime.finetuning_learning_rate=1e-5"))
+    changed = done(experiment(finished, "policies.prime.learning_rate=1e-5"))
     assert [name for name, ok in changed.items() if not ok] == [
         "policy.prime",
         "evaluation.prime",

@@ -139,7 +139,7 @@ class Experiment:
         ``video.NAME``. After the experiment's own come those of variants, ``VARIANT/STAGE``; one
         that depends on the same as an earlier stage is that stage, and not named again.
         """
-        stages = self._own_stages()
+        stages = self.own_stages
         for name in self.variants:
             known = _identities(stages)
             stages |= {
@@ -154,14 +154,16 @@ class Experiment:
 
         What is made for people to look at, export and videos, the experiment makes of itself only.
         """
-        known = _identities(self._own_stages())
+        known = _identities(self.own_stages)
         return {
             step: stage
-            for step, stage in self.variants[variant]._own_stages().items()
+            for step, stage in self.variants[variant].own_stages.items()
             if not isinstance(stage, (Export, Video)) and stage.infra.uid() not in known
         }
 
-    def _own_stages(self) -> dict[str, Stage]:
+    @property
+    def own_stages(self) -> dict[str, Stage]:
+        """The stages without those of variants, by name, in order."""
         stages: dict[str, Stage] = {
             "demonstrations": self.demonstrations,
             "collection": self.collection,

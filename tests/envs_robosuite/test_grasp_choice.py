@@ -82,10 +82,11 @@ def test_beside_a_wall_a_box_is_gripped_at_its_corners(tidy_up: RobosuiteEnviron
 
 def test_who_looks_again_is_nearer_when_the_gripper_closes() -> None:
     def misses(grip_within: float | None) -> list[float]:
-        style = novice_but(miss_share=0.0, flow=(1, 1))
+        # Clumsy enough that it matters whether they look again.
+        style = novice_but(miss_share=0.0, flow=(1, 1), aim=(0.02, 0.02))
         demonstrator = SimulatedTeleoperatorConfig(grip_within=grip_within, style=style)
         found = []
-        for index in range(4):
+        for index in range(6):
             shown = demonstrator.demonstrate(LiftConfig(), index, 0)
             closing = int(np.flatnonzero(shown.actions[:, 4] > 0)[0])
             cube = shown.observations.environment_state[closing, :2]

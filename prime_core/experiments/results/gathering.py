@@ -38,7 +38,7 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
             "policies": list(experiment.config.seeds),
             "evaluation": experiment.config.evaluation.seed,
         },
-        "results": _gather(experiment, done, "trials-"),
+        "results": _gather(experiment, experiment.own_stages, "trials-"),
         "variants": {
             name: _gather(variant, experiment.differing(name), f"trials-{name}.")
             for name, variant in experiment.variants.items()

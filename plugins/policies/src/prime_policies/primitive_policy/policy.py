@@ -16,9 +16,6 @@ from prime_policies.training.call_examples import CallEncoder
 from prime_policies.training.threads import threads
 
 DRAWS = 50  # of parameters, where the likeliest ones are not wanted
-# Of rollouts in a call's score. They hold only what the arm can do there, which thirty
-# demonstrations do not tell and fine-tuning forgets.
-PRIOR_SHARE = 0.3
 BLUR = 0.05  # over the scales, one or two centimetres: calls that are so near do the same
 
 
@@ -30,7 +27,6 @@ class PrimePolicy(PrimitivePolicy):
         encoder: Of instants.
         classifier: Of the next primitive.
         parameter_network: Of its parameters.
-        prior: Of parameters as they were after pretraining; None without it.
     """
 
     def __init__(
@@ -39,12 +35,10 @@ class PrimePolicy(PrimitivePolicy):
         encoder: CallEncoder,
         classifier: Classifier,
         parameter_network: ParameterNetwork,
-        prior: ParameterNetwork | None,
     ) -> None:
         self._space = space
         self._encoder = encoder
         self._classifier, self._parameter_network = classifier, parameter_network
-        self._prior = prior
 
     def candidates(
         self, seen: Observations, startable: NDArray[np.bool_], generator: np.random.Generator
@@ -53,8 +47,7 @@ class PrimePolicy(PrimitivePolicy):
 
         The primitive is drawn from p(p | s), because the most likely one would be chosen again
         for ever where it changes nothing. Its calls are the best of the components' means, then
-        draws from the mixture, the best first: what is common in demonstrations, and not rare in
-        rollouts.
+        draws from the mixture, the best first: those near which most of the mixture lies.
         """
         features = torch.from_numpy(self._encoder.features.encode(seen))[None]
         encoded = self._encoder.frames.encode(seen)
@@ -66,12 +59,11 @@ class PrimePolicy(PrimitivePolicy):
             label = int(generator.choice(len(chances), p=chances / chances.sum()))
             with threads(), torch.inference_mode():
                 wanted = self._parameter_network(features, poses.float(), label)
-                known = None if self._prior is None else self._prior(features, poses.float(), label)
-            yield from self._calls(wanted, known, label, generator)
+            yield from self._calls(wanted, label, generator)
             chances[label] = 0.0
 
     def _calls(
-        self, wanted: Mixture, known: Mixture | None, label: int, generator: np.random.Generator
+        self, wanted: Mixture, label: int, generator: np.random.Generator
     ) -> Iterator[PrimitiveCall]:
         """Yield the best of the components' means, then draws, the best first."""
         name, layout = self._space.names[label], self._encoder.layouts[label]
@@ -79,8 +71,6 @@ class PrimePolicy(PrimitivePolicy):
             with threads(), torch.inference_mode():
                 values = source(wanted)
                 scores = log_mass(wanted, values, BLUR)
-                if known is not None:
-                    scores += PRIOR_SHARE * log_mass(known, values, BLUR)
                 ordered = values[scores.argsort(descending=True, stable=True)]
             targets = ordered.numpy().astype(np.float64) * layout.scales
             for parameters in layout.parameters(targets[: 1 if source is _means else DRAWS]):

@@ -29,8 +29,6 @@ from prime_policies.training.weights import (
 )
 
 KIND = "prime"
-AFTER_PRETRAINING = ".pretrained"
-PRETRAINED = PARAMETERS + AFTER_PRETRAINING
 
 
 def fit_policy(
@@ -74,12 +72,7 @@ def load_policy(
     classifier, parameters = _build(config, encoder, context, seed=0)
     load_weights(classifier, checkpoint / f"{CLASSIFIER}.safetensors")
     load_weights(parameters, checkpoint / f"{PARAMETERS}.safetensors")
-    prior = None
-    path = checkpoint.parent / f"{PRETRAINED}.safetensors"
-    if path.exists():
-        _, prior = _build(config, encoder, context, seed=0)
-        load_weights(prior, path)
-    return PrimePolicy(context.space, encoder, classifier, parameters, prior)
+    return PrimePolicy(context.space, encoder, classifier, parameters)
 
 
 class _Fitting:
@@ -112,7 +105,7 @@ class _Fitting:
         if len(examples) > 1:
             _activate(network, pretrained)
             schedule = building.schedule(config, config.pretraining_epochs)
-            self._trainer.train(f"{name}{AFTER_PRETRAINING}", network, examples[0], schedule)
+            self._trainer.train(f"{name}.pretrained", network, examples[0], schedule)
         _activate(network, None)
         schedule = building.schedule(config, config.finetuning_epochs)
         schedule = replace(schedule, steps_per_epoch=config.finetuning_steps_per_epoch)
