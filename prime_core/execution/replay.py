@@ -41,14 +41,11 @@ class ActionsRun:
     """Gives recorded motor actions ``(N, 5)`` one after another."""
 
     def __init__(self, actions: Sequence[Action]) -> None:
-        self.finished = False
         self._actions = iter(actions)
 
     def next_action(self, scene: Scene) -> Action | None:
         """Return the next motor action, or None where there is none left."""
-        action = next(self._actions, None)
-        self.finished = action is None
-        return action
+        return next(self._actions, None)
 
 
 class SequenceRunner(SceneRunner):

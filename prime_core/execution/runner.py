@@ -29,19 +29,15 @@ class CallRecord:
         call: The call.
         start: Motor actions of the episode before it.
         end: Motor actions of the episode when it ended.
-        finished: Whether its motion came to its own end.
     """
 
     call: PrimitiveCall
     start: int
     end: int
-    finished: bool = False
 
 
 class Run(Protocol):
     """Something that gives motor actions until it is over."""
-
-    finished: bool
 
     def next_action(self, scene: Scene) -> Action | None:
         """Return the next motor action, or None where it is over."""
@@ -80,7 +76,7 @@ class SceneRunner(MotorPolicy):
         action = None if self._run is None else self._run.next_action(scene)
         if action is None:
             if self._run is not None:
-                self._end(self._run, scene)
+                self.ended(scene)
             self._run = self.next_run(scene, seen.only(self.sees))
             if self._run is None:
                 return None
@@ -104,11 +100,6 @@ class SceneRunner(MotorPolicy):
 
     def ended(self, scene: Scene) -> None:
         """Be told of the scene after a run; by default nothing is done."""
-
-    def _end(self, run: Run, scene: Scene) -> None:
-        if isinstance(run, MotionRun):
-            self.records[-1] = replace(self.records[-1], finished=run.finished)
-        self.ended(scene)
 
 
 class PrimitiveRunner(SceneRunner):

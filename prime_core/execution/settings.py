@@ -16,7 +16,7 @@ class RunnerConfig(Config):
     leave_out_unreachable: bool = True
     """Whether a call that the arm cannot do gives way to the policy's next candidate."""
     turn_unreachable: bool = True
-    """Whether it is first tried with the gripper turned to another yaw."""
+    """Whether it is first tried with the gripper turned to another yaw; if they are left out."""
     repeats: int | None = Field(2, ge=1)
     """How often like calls are made with all things in the same place; null for any number."""
     leave_out_without_effect: bool = True
