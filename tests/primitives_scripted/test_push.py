@@ -101,6 +101,26 @@ def test_the_prior_goes_from_beside_an_object_through_it() -> None:
     assert np.median(np.arccos(np.clip(cosines, -1, 1))) < 0.4
 
 
+def test_at_the_edge_the_prior_keeps_its_direction_and_leaves_out_what_has_no_room() -> None:
+    generator = np.random.default_rng(0)
+    scene = world_scene(np.array([0.0, 0.0, 1.0]), (0.2, 0.0))
+    drawn = np.array([push.propose(scene, generator) for _ in range(200)])
+    ends = drawn[:, :2] + drawn[:, 4:6]
+    assert np.all(np.abs(ends) <= 0.3 + 1e-9)
+    assert np.linalg.norm(drawn[:, 4:6], axis=1).min() >= PushConfig().length[0] - 1e-9
+    away = np.array([0.2, 0.0]) - drawn[:, :2]
+    turns = np.arctan2(drawn[:, 5], drawn[:, 4]) - np.arctan2(away[:, 1], away[:, 0])
+    assert np.std(np.arctan2(np.sin(turns), np.cos(turns))) < 0.25
+
+
+def test_where_no_push_has_room_the_arm_cannot_do_what_is_drawn() -> None:
+    scene = world_scene(np.array([0.0, 0.0, 1.0]), (0.29, 0.0))
+    only_outwards = replace(WITH_PUSH, affordances=SIDES[1:2])
+    primitive = PushConfig().build(only_outwards)
+    drawn = primitive.propose(replace(scene, description=only_outwards), np.random.default_rng(0))
+    assert not primitive.reachable(scene, drawn)
+
+
 def test_without_anything_to_push_the_prior_is_uniform() -> None:
     generator = np.random.default_rng(0)
     other = PushConfig().build(DESCRIPTION)

@@ -86,23 +86,37 @@ class Push(ScriptedPrimitive):
     def propose(self, scene: Scene, generator: np.random.Generator) -> Array:
         """Draw a start beside an object and a displacement through it, ``(7,)``.
 
-        A push ends within the workspace: an end outside of it is clipped.
+        A push keeps its direction and ends within the workspace. Where too little would be left of
+        it, as of one outwards at the edge, another one is drawn; the last one stands if none has
+        room, and is not reachable.
         """
         std = (*self._push.position_std, self._push.yaw_std)
-        start = prior.draw(scene, self.affordances(scene), self._pose_space, std, generator)
         pushable = [item.pushable for item in scene.description.objects]
         if not any(pushable):
             return self.parameter_space.sample(generator)
-        ways = scene.object_positions[pushable, :2] - start[:2]
-        way = ways[np.argmin(np.linalg.norm(ways, axis=1))]
-        angle = np.arctan2(way[1], way[0]) + generator.normal(0.0, self._push.direction_std)
-        direction = np.array([np.cos(angle), np.sin(angle)])
-        length = generator.uniform(*self._push.length)
-        move = np.append(length * direction, generator.normal(0.0, self._push.position_std[2]))
-        space = self._pose_space
-        end = np.clip(start[:3] + move, space.low[:3], space.high[:3])
-        limit = np.array(GREATEST_DISPLACEMENT)
-        return np.append(start, np.clip(end - start[:3], -limit, limit))
+        centres = scene.object_positions[pushable, :2]
+        least, greatest = self._push.length
+        for _ in range(prior.REDRAWS):
+            start = prior.draw(scene, self.affordances(scene), self._pose_space, std, generator)
+            ways = centres - start[:2]
+            way = ways[np.argmin(np.linalg.norm(ways, axis=1))]
+            angle = np.arctan2(way[1], way[0]) + generator.normal(0.0, self._push.direction_std)
+            direction = np.array([np.cos(angle), np.sin(angle)])
+            room = min(greatest, self._room(start[:2], direction))
+            if room >= least:
+                break
+        length = generator.uniform(least, max(room, least))
+        space, limit = self._pose_space, GREATEST_DISPLACEMENT[2]
+        rise = np.clip(generator.normal(0.0, self._push.position_std[2]), -limit, limit)
+        rise = np.clip(start[2] + rise, space.low[2], space.high[2]) - start[2]
+        return np.array([*start, *(length * direction), rise])
+
+    def _room(self, start: Array, direction: Array) -> float:
+        """Return how far it is from a start ``(2,)`` to the workspace's edge [m]."""
+        edges = np.where(direction > 0, self._pose_space.high[:2], self._pose_space.low[:2])
+        # A direction along an axis never meets the other axis' edges.
+        ways = (edges - start) / np.where(np.abs(direction) < 1e-9, 1e-9, direction)
+        return float(np.abs(ways).min())
 
     def reachable(self, scene: Scene, parameters: Array) -> bool:
         """Whether the arm can get to both ends within its limits and clear of furniture."""
