@@ -134,6 +134,9 @@ class _DataFile:
             key: numbers(path, table, key, feature.width)
             for key, feature in header.features.items()
         }
+        self._finite = {
+            key: np.isfinite(values).all(axis=1) for key, values in self._columns.items()
+        }
         self._order = np.argsort(self._owner, kind="stable")
 
     def columns_of(self, entry: EpisodeEntry) -> Columns:
@@ -156,14 +159,14 @@ class _DataFile:
                 f"frames 0 to {entry.length - 1} in order, as {layout.EPISODES_FOLDER} says"
             )
         columns = {key: values[rows] for key, values in self._columns.items()}
-        for key, values in columns.items():
-            self._check_finite(entry.index, key, values)
+        for key in columns:
+            self._check_finite(entry.index, key, rows)
         if self._clock is not None:
             self._check_clock(entry.index, self._clock[rows].astype(np.float64))
         return columns
 
-    def _check_finite(self, episode: int, key: str, values: NDArray[Any]) -> None:
-        bad = ~np.isfinite(values).all(axis=1)
+    def _check_finite(self, episode: int, key: str, rows: NDArray[np.int64]) -> None:
+        bad = ~self._finite[key][rows]
         if bad.any():
             raise DemonstrationError(
                 f"{self._path}: column {key!r} holds NaN or infinity in episode {episode}, frame "

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from prime_core.contracts.environment import ACTION_NAMES
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
@@ -105,7 +105,7 @@ def read_header(folder: Path, fps: int | None) -> Header:
 
 def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
     """Check the values beside the features that are read."""
-    asked = {
+    asked: dict[str, tuple[type | tuple[type, ...], str]] = {
         "features": (dict, "a table of features"),
         "fps": ((int, float), "a number of frames a second above 0"),
         "total_episodes": (int, "a whole number, at least 1"),
@@ -136,23 +136,21 @@ def _feature(path: Path, features: Mapping[str, Any], key: str, asked: str) -> F
             "names"
         )
     kind, shape = entry.get("dtype"), entry.get("shape")
-    listed = isinstance(shape, list) and len(shape) == 1
-    if kind not in ("float32", "float64") or not listed or not _is_count(shape[0]):
+    width = shape[0] if isinstance(shape, list) and len(shape) == 1 else None
+    if kind not in ("float32", "float64") or not _is_count(width):
         raise DatasetError(
             f"{path}: feature {key!r} is {kind} of shape {shape}; it should be {asked} per frame, "
             "float32 or float64"
         )
-    needed = key in (STATE_KEY, layout.ACTION_KEY)
-    if (key == layout.ACTION_KEY and shape[0] != len(ACTION_NAMES)) or (needed and not shape[0]):
-        right = f"{len(ACTION_NAMES)} ({', '.join(ACTION_NAMES)})"
-        right = right if key == layout.ACTION_KEY else "one or more"
-        raise DatasetError(
-            f"{path}: feature {key!r} has {shape[0]} numbers; it should have {right}"
-        )
-    return Feature(shape[0], _names(path, key, entry.get("names"), shape[0]))
+    right = f"{len(ACTION_NAMES)} ({', '.join(ACTION_NAMES)})"
+    if key == layout.ACTION_KEY and width != len(ACTION_NAMES):
+        raise DatasetError(f"{path}: feature {key!r} has {width} numbers; it should have {right}")
+    if key == STATE_KEY and not width:
+        raise DatasetError(f"{path}: feature {key!r} has no numbers; it should have some")
+    return Feature(width, _names(path, key, entry.get("names"), width))
 
 
-def _is_count(value: object) -> bool:
+def _is_count(value: object) -> TypeGuard[int]:
     return isinstance(value, int) and not isinstance(value, bool) and value >= 0
 
 

@@ -22,7 +22,7 @@ from prime_core.datasets import layout
 from prime_core.datasets import segments as parsed
 from prime_core.datasets.episodes import Columns, EpisodeEntry, read_entries, read_episodes
 from prime_core.datasets.header import Header, column_order, read_header, read_json
-from prime_core.datasets.units import wrong_unit
+from prime_core.datasets.units import UnitCheck
 from prime_core.datasets.write import write_dataset
 from prime_core.errors import DatasetError, DemonstrationError
 
@@ -203,7 +203,7 @@ def _choose(
 def _demonstrations(
     header: Header, entries: Sequence[EpisodeEntry], description: SceneDescription | None
 ) -> Iterator[Demonstration | DemonstrationError]:
-    orders = _column_orders(header, description)
+    orders, units = _column_orders(header, description), UnitCheck(description)
     for entry, columns in read_episodes(header, entries):
         if isinstance(columns, DemonstrationError):
             yield columns
@@ -211,8 +211,9 @@ def _demonstrations(
         for key, order in orders.items():
             if order is not None:
                 columns[key] = columns[key][:, order]
-        found = _demonstration(entry, columns, description)
-        problem = wrong_unit(found, description)
+        with np.errstate(over="ignore"):  # what float32 cannot hold is infinite: no unit of ours
+            found = _demonstration(entry, columns, description)
+        problem = units.problem(found)
         text = f"{entry.file}: episode {entry.index}: {problem}"
         yield found if problem is None else DemonstrationError(text)
 

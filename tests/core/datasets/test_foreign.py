@@ -167,7 +167,7 @@ INFO_EDITS: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     ),
     "no state": (
         lambda info: info["features"][STATE].update(shape=[0], names=None),
-        f"feature '{STATE}' has 0 numbers; it should have one or more",
+        f"feature '{STATE}' has no numbers; it should have some",
     ),
 }
 
@@ -218,9 +218,7 @@ def test_tasks_may_be_texts_or_lists(tmp_path: Path) -> None:
     assert [item.task for item in found] == [item.task for item in written]
 
 
-WHOLE = (
-    "it should be a whole number (int64) in every row: an editor may have changed its type"
-)
+WHOLE = "it should be a whole number (int64) in every row: an editor may have changed its type"
 COLUMN_EDITS: dict[str, tuple[str, str, Callable[[Any], Any], str]] = {
     "lengths as pandas leaves them": (
         EPISODES,
@@ -308,9 +306,17 @@ ACTIONS = (
     r"scaled to -1 to 1\?"
 )
 UNITS: dict[str, tuple[str, Callable[[Any], Any], str]] = {
-    "actions that are scaled": ("action", scaled(2, 20.0), rf"dz is \S+ in frame \d+, but {ACTIONS}"),
+    "actions that are scaled": (
+        "action",
+        scaled(2, 20.0),
+        rf"dz is \S+ in frame \d+, but {ACTIONS}",
+    ),
     "turns in degrees": ("action", scaled(3, 57.3), rf"dyaw is \S+ in frame \d+, but {ACTIONS}"),
-    "grippers in percent": ("action", scaled(4, 100), rf"gripper is \S+ in frame \d+, but {ACTIONS}"),
+    "grippers in percent": (
+        "action",
+        scaled(4, 100),
+        rf"gripper is \S+ in frame \d+, but {ACTIONS}",
+    ),
     "millimetres": (
         STATE,
         scaled(0, 1000.0),
@@ -327,7 +333,11 @@ UNITS: dict[str, tuple[str, Callable[[Any], Any], str]] = {
         scaled(9, 1000.0),
         r"joint_1 is \S+ in frame \d+, but joint positions are radians",
     ),
-    "objects in millimetres": (OBJECTS, scaled(2, 1000.0), rf"milk.z is \S+ in .*, but {POSITIONS}"),
+    "objects in millimetres": (
+        OBJECTS,
+        scaled(2, 1000.0),
+        rf"milk.z is \S+ in .*, but {POSITIONS}",
+    ),
     "held as a force": (
         OBJECTS,
         scaled(15, 7.0),
@@ -447,7 +457,9 @@ def test_reading_is_linear(tmp_path: Path) -> None:
     seconds = []
     for count in (500, 2000):
         folder = tmp_path / str(count)
-        write_dataset(folder, [demonstration(20, 0, f"task {k}") for k in range(count)], DESCRIPTION)
+        write_dataset(
+            folder, [demonstration(20, 0, f"task {k}") for k in range(count)], DESCRIPTION
+        )
         start = time.process_time()
         assert sum(1 for _ in read_demonstrations(folder, DESCRIPTION)) == count
         seconds.append(time.process_time() - start)

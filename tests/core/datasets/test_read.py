@@ -65,7 +65,10 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
         r"codebase_version is 'v2.1'.*convert_dataset_v21_to_v30",
     ),
     "no version": (lambda f: (f / "meta/info.json").write_text("[]"), r"codebase_version is None"),
-    "no fps": (lambda f: change_info(f, lambda info: info.pop("fps")), r"fps is 'missing'; it should be a number"),
+    "no fps": (
+        lambda f: change_info(f, lambda info: info.pop("fps")),
+        r"fps is 'missing'; it should be a number",
+    ),
     "other fps": (
         lambda f: change_info(f, lambda info: info.update(fps=50)),
         r"fps is 50; motor actions here are steps of 20 a second",
