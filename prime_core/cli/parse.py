@@ -34,8 +34,11 @@ def parse(
         f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
         f"unexplained; {len(found.left_out)} left out.\nWritten to {target}",
         highlight=False,
+        soft_wrap=True,
     )
     for number, names in zip(found.parsed, summary["sequences"], strict=True):
         console.print(f"  {number}: {' '.join(names)}", highlight=False)
     for number, reason in found.left_out.items():
-        console.print(f"  {number} left out: {reason}", highlight=False, markup=False)
+        console.print(
+            f"  {number} left out: {reason}", highlight=False, markup=False, soft_wrap=True
+        )

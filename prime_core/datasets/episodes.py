@@ -72,7 +72,7 @@ def read_entries(header: Header) -> list[EpisodeEntry]:
             entries.append(EpisodeEntry(index, length, task, place, path))
     entries.sort(key=lambda entry: entry.index)
     count = header.info["total_episodes"]
-    if [entry.index for entry in entries] != list(range(count)):
+    if len(entries) != count or [entry.index for entry in entries] != list(range(count)):
         raise DatasetError(
             f"{root} lists {len(entries)} episodes and {header.info_file} says total_episodes "
             f"{count}: they should be the same, numbered from 0. Was the recording interrupted?"
@@ -153,7 +153,8 @@ class _DataFile:
         ends = [entry.index, entry.index + 1]
         low, high = np.searchsorted(self._owner, ends, sorter=self._order)
         rows = self._order[low:high]
-        if not np.array_equal(self._steps[rows], np.arange(entry.length)):
+        complete = len(rows) == entry.length
+        if not complete or not np.array_equal(self._steps[rows], np.arange(entry.length)):
             raise DemonstrationError(
                 f"{self._path}: episode {entry.index} has {len(rows)} frames; it should have the "
                 f"frames 0 to {entry.length - 1} in order, as {layout.EPISODES_FOLDER} says"

@@ -163,8 +163,11 @@ def load_space(dump: Sequence[Mapping[str, Any]]) -> PrimitiveSpace:
 
     Raises:
         KeyError: If a name is missing.
-        TypeError: If a parameter has not the keys of `Parameter`.
+        TypeError: If a parameter has not the keys of `Parameter`, or a name is no text.
     """
+    for item in dump:
+        if not isinstance(item["name"], str):
+            raise TypeError(f"the name of a primitive is {item['name']!r}")
     spaces = (
         ParameterSpace(tuple(Parameter(**parameter) for parameter in item["parameters"]))
         for item in dump

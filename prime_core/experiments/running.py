@@ -60,9 +60,8 @@ def _tell_left_out(console: Console, stage: Stage, strict: bool) -> None:
         reasons = stage.left_out()
         check_left_out(reasons, len(stage.items()), strict)
         for item, reason in reasons.items():
-            console.print(
-                f"  demonstration {item} left out: {reason}", highlight=False, markup=False
-            )
+            text = f"  demonstration {item} left out: {reason}"
+            console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def write_resolved(experiment: Experiment) -> Path:

@@ -455,12 +455,11 @@ def test_a_folder_in_the_place_of_a_file_is_told_so(tmp_path: Path) -> None:
 def test_reading_is_linear(tmp_path: Path) -> None:
     """Four times the episodes take about four times as long, not sixteen."""
     seconds = []
-    for count in (500, 2000):
+    for count in (200, 800):
         folder = tmp_path / str(count)
-        write_dataset(
-            folder, [demonstration(20, 0, f"task {k}") for k in range(count)], DESCRIPTION
-        )
+        items = [demonstration(20, 0, f"task {number}", simulated=False) for number in range(count)]
+        write_dataset(folder, items, DESCRIPTION)
         start = time.process_time()
         assert sum(1 for _ in read_demonstrations(folder, DESCRIPTION)) == count
         seconds.append(time.process_time() - start)
-    assert seconds[1] < 8 * seconds[0] and seconds[1] < 5.0
+    assert seconds[1] < 8 * seconds[0] and seconds[1] < 3.0
