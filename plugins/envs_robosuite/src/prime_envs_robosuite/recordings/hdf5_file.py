@@ -68,7 +68,7 @@ def told(where: str, kind: type[DatasetError]) -> Iterator[None]:
         yield
     except PrimeError:
         raise
-    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+    except (OSError, MemoryError, RuntimeError, LookupError, ValueError, TypeError) as error:
         raise kind(f"{where}: cannot be read: {_reason(error)}") from error
 
 

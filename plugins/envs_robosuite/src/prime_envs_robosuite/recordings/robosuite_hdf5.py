@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.environment import CONTROL_FREQUENCY, EnvironmentConfig
@@ -44,7 +45,7 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
     path: Path
     """The HDF5 file."""
 
-    episodes: tuple[str, ...] | None = None
+    episodes: tuple[str, ...] | None = Field(None, min_length=1)
     """Groups to take, such as ``[demo_1, demo_3]``; all by default, in the order of their
     numbers."""
 
