@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from prime_core.contracts.calls import PrimitiveSpace as PrimitiveSpace
     from prime_core.contracts.demonstration import Demonstration as Demonstration
     from prime_core.contracts.demonstration import DemonstratorConfig as DemonstratorConfig
+    from prime_core.contracts.demonstration import (
+        RecordedDemonstratorConfig as RecordedDemonstratorConfig,
+    )
     from prime_core.contracts.demonstration import Segment as Segment
     from prime_core.contracts.description import Affordance as Affordance
     from prime_core.contracts.description import ObjectDescription as ObjectDescription
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from prime_core.contracts.training import Labels as Labels
     from prime_core.contracts.training import ModelContext as ModelContext
     from prime_core.contracts.training import TrainingContext as TrainingContext
+    from prime_core.errors import DemonstrationError as DemonstrationError
     from prime_core.errors import PrimeError as PrimeError
     from prime_core.hookspecs import hookimpl as hookimpl
 
@@ -47,6 +51,7 @@ _MODULES = {
     "CallData": "contracts.training",
     "Config": "configuration",
     "Demonstration": "contracts.demonstration",
+    "DemonstrationError": "errors",
     "DemonstratorConfig": "contracts.demonstration",
     "Environment": "contracts.environment",
     "EnvironmentConfig": "contracts.environment",
@@ -70,6 +75,7 @@ _MODULES = {
     "PrimitivePolicy": "contracts.policy",
     "PrimitivePolicyConfig": "contracts.policy",
     "PrimitiveSpace": "contracts.calls",
+    "RecordedDemonstratorConfig": "contracts.demonstration",
     "RobotDescription": "contracts.description",
     "Scene": "contracts.scene",
     "SceneDescription": "contracts.description",
@@ -83,6 +89,7 @@ __all__ = [
     "CallData",
     "Config",
     "Demonstration",
+    "DemonstrationError",
     "DemonstratorConfig",
     "Environment",
     "EnvironmentConfig",
@@ -106,6 +113,7 @@ __all__ = [
     "PrimitivePolicy",
     "PrimitivePolicyConfig",
     "PrimitiveSpace",
+    "RecordedDemonstratorConfig",
     "RobotDescription",
     "Scene",
     "SceneDescription",

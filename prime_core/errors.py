@@ -48,3 +48,7 @@ class PluginError(PrimeError):
 
 class DatasetError(PrimeError):
     """A data set is broken, or not what it is asked to be."""
+
+
+class DemonstrationError(DatasetError):
+    """One demonstration cannot be used; others of the same source may be."""

@@ -7,11 +7,17 @@ import typer
 
 
 def parse(
-    dataset: Annotated[Path, typer.Argument(help="A LeRobot data set, or a robosuite HDF5 file.")],
+    dataset: Annotated[
+        Path,
+        typer.Argument(help="A LeRobot data set, or an HDF5 file of robosuite or robomimic."),
+    ],
     run: Annotated[Path, typer.Option("--run", help="The folder of a run with a trained IDM.")],
     out: Annotated[
         Path | None, typer.Option("--out", help="Where to write; beside the data set if not given.")
     ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Stop if a demonstration cannot be used.")
+    ] = False,
 ) -> None:
     """Parse demonstrations from elsewhere with the IDM of a run."""
     from rich.console import Console
@@ -21,12 +27,18 @@ def parse(
 
     console = Console()
     target = out or dataset.with_name(dataset.stem + "-parsed")
-    summary = parsing_summary(parse_foreign(dataset, run, target))
+    found = parse_foreign(dataset, run, target, strict)
+    summary = parsing_summary([*found.parsed.values()])
     console.print(
         f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "
         f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
-        f"unexplained.\nWritten to {target}",
+        f"unexplained; {len(found.left_out)} left out.\nWritten to {target}",
         highlight=False,
+        soft_wrap=True,
     )
-    for index, names in enumerate(summary["sequences"]):
-        console.print(f"  {index}: {' '.join(names)}", highlight=False)
+    for number, names in zip(found.parsed, summary["sequences"], strict=True):
+        console.print(f"  {number}: {' '.join(names)}", highlight=False)
+    for number, reason in found.left_out.items():
+        console.print(
+            f"  {number} left out: {reason}", highlight=False, markup=False, soft_wrap=True
+        )

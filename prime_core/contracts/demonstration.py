@@ -1,6 +1,7 @@
 """Demonstrations, the segments they are parsed into, and the contract of their sources."""
 
 from abc import abstractmethod
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from prime_core.configuration import Config
 from prime_core.contracts.calls import OTHER, PrimitiveCall
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
+from prime_core.errors import DatasetError, DemonstrationError
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ class DemonstratorConfig(Config):
 
     @abstractmethod
     def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
-        """Return one demonstration, that ends in success.
+        """Return one demonstration.
 
         Args:
             environment: Where it is shown.
@@ -84,8 +86,53 @@ class DemonstratorConfig(Config):
             seed: Of the experiment; the demonstration depends on the seed and the index only.
 
         Raises:
+            DemonstrationError: If this one cannot be used; others may be.
             PrimeError: If there is none to be had.
         """
+
+    def demonstrations(
+        self, environment: EnvironmentConfig, indices: Sequence[int], seed: int
+    ) -> Iterator[Demonstration | DemonstrationError]:
+        """Return some demonstrations, each or why it cannot be used; see `demonstrate`."""
+        for index in indices:
+            try:
+                yield self.demonstrate(environment, index, seed)
+            except DemonstrationError as error:
+                yield error
+
+
+class RecordedDemonstratorConfig(DemonstratorConfig):
+    """Settings of a source whose demonstrations lie in one file or folder.
+
+    `demonstrations` opens it once for all of them.
+    """
+
+    path: Path
+    """Of the file or folder."""
+
+    @abstractmethod
+    def demonstrations(
+        self, environment: EnvironmentConfig, indices: Sequence[int], seed: int
+    ) -> Iterator[Demonstration | DemonstrationError]:
+        """Return some demonstrations, each or why it cannot be used; see `demonstrate`."""
+
+    def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
+        """Return one demonstration; see `DemonstratorConfig`."""
+        (found,) = self.demonstrations(environment, [index], seed)
+        if isinstance(found, DemonstrationError):
+            raise found
+        return found
+
+    def check_indices(self, indices: Sequence[int]) -> None:
+        """Check that there are such demonstrations.
+
+        Raises:
+            DatasetError: If there are not.
+        """
+        available = self.count_available()
+        for index in indices:
+            if not 0 <= index < available:
+                raise DatasetError(f"{self.path} gives {available} demonstrations, not {index + 1}")
 
 
 @dataclass(frozen=True, eq=False)

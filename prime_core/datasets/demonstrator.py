@@ -1,20 +1,25 @@
 """Demonstrations that come from a LeRobot data set."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pydantic import Field
 
-from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
+from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import EnvironmentConfig
-from prime_core.datasets.read import count_episodes, read_dataset
-from prime_core.errors import DatasetError
+from prime_core.datasets.read import count_episodes, read_demonstrations
+from prime_core.errors import DemonstrationError
 
 _descriptions: dict[tuple[type[EnvironmentConfig], str], SceneDescription] = {}
 
 
-class LeRobotDemonstratorConfig(DemonstratorConfig):
-    """Takes demonstrations from a LeRobot v3 data set, as they are."""
+class LeRobotDemonstratorConfig(RecordedDemonstratorConfig):
+    """Takes demonstrations from a LeRobot v3 data set, as they are.
+
+    Columns are matched by the names of ``meta/info.json``; where there are none, they are taken in
+    our order.
+    """
 
     path: Path
     """Folder of the data set."""
@@ -30,18 +35,23 @@ class LeRobotDemonstratorConfig(DemonstratorConfig):
         """How many demonstrations it gives."""
         return count_episodes(self.path) if self.episodes is None else len(self.episodes)
 
-    def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
-        """Return one demonstration; the seed plays no part."""
-        available = self.count_available()
-        if not 0 <= index < available:
-            raise DatasetError(f"{self.path} gives {available} demonstrations, not {index + 1}")
-        episode = index if self.episodes is None else self.episodes[index]
-        found = read_dataset(self.path, _description_of(environment), episodes=[episode])
-        return found.demonstrations[0]
+    def demonstrations(
+        self, environment: EnvironmentConfig, indices: Sequence[int], seed: int
+    ) -> Iterator[Demonstration | DemonstrationError]:
+        """Return some demonstrations; the seed plays no part."""
+        self.check_indices(indices)
+        chosen = indices if self.episodes is None else [self.episodes[index] for index in indices]
+        description = _description_of(environment)
+        found = read_demonstrations(self.path, description, chosen)
+        for episode, item in zip(chosen, found, strict=True):
+            if isinstance(item, Demonstration) and not item.steps:
+                text = f"{self.path}: episode {episode} has one frame: no motor action was done"
+                item = DemonstrationError(text)
+            yield item
 
 
 def _description_of(environment: EnvironmentConfig) -> SceneDescription:
-    # Building an environment takes seconds, and this is asked for every demonstration.
+    # Building an environment takes seconds.
     key = (type(environment), environment.model_dump_json())
     if key not in _descriptions:
         built = environment.build()

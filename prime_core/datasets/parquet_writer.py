@@ -3,6 +3,7 @@
 LeRobot's own recorder writes frame by frame; the files here are the same, column by column.
 """
 
+import itertools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -122,6 +123,7 @@ def _keep_books(
     episodes: Sequence[Episode], tasks: list[str], features: Mapping[str, Any], fps: int
 ) -> None:
     frame = written = file_number = 0
+    task_indices = {task: index for index, task in enumerate(tasks)}
     for number, episode in enumerate(episodes):
         count = len(episode)
         size = sum(values.nbytes for values in episode.columns.values())
@@ -134,7 +136,7 @@ def _keep_books(
             "frame_index": steps,
             "episode_index": np.full(count, number),
             "index": steps + frame,
-            "task_index": np.full(count, tasks.index(episode.task)),
+            "task_index": np.full(count, task_indices[episode.task]),
         }
         episode.first_frame, episode.file_number = frame, file_number
         episode.statistics = {
@@ -151,8 +153,8 @@ def _place(file_number: int) -> dict[str, int]:
 def _write_data(folder: Path, episodes: Sequence[Episode], features: Mapping[str, Any]) -> None:
     import pyarrow.parquet as pq
 
-    for file_number in range(episodes[-1].file_number + 1):
-        mates = [episode for episode in episodes if episode.file_number == file_number]
+    for file_number, group in itertools.groupby(episodes, lambda episode: episode.file_number):
+        mates = list(group)
         path = folder / layout.DATA_FILE.format(**_place(file_number))
         path.parent.mkdir(parents=True, exist_ok=True)
         schema = _data_table(mates[0], features).schema

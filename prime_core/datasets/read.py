@@ -4,7 +4,8 @@ A frame is an instant, as in `Demonstration`: an episode of ``N`` frames has ``N
 ``N`` actions, the last of which is a hold. The last action of a set from elsewhere is not used.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,15 +16,17 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, Segment
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.environment import CONTROL_FREQUENCY
+from prime_core.contracts.environment import ACTION_NAMES, CONTROL_FREQUENCY
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Observations
 from prime_core.datasets import layout
-from prime_core.datasets import parquet_reader as reader
 from prime_core.datasets import segments as parsed
+from prime_core.datasets.episodes import Columns, EpisodeEntry, read_entries, read_episodes
+from prime_core.datasets.header import Header, column_order, read_header, read_json
+from prime_core.datasets.units import UnitCheck
 from prime_core.datasets.write import write_dataset
-from prime_core.errors import DatasetError
+from prime_core.errors import DatasetError, DemonstrationError
 
-__all__ = ["Dataset", "count_episodes", "read_dataset", "write_dataset"]
+__all__ = ["Dataset", "count_episodes", "read_dataset", "read_demonstrations", "write_dataset"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,28 +74,54 @@ def read_dataset(
         fps: Observations a second that it must have; None takes any.
 
     Raises:
-        DatasetError: If it is broken, or is something else.
+        DatasetError: If it or one of its episodes is broken, or is something else.
     """
-    header = reader.read_header(Path(folder), fps)
+    header = read_header(Path(folder), fps)
     own = _read_prime_file(header)
-    if description is not None:
-        _check_features(header, description, names_too=bool(own))
-    entries = _choose(header, reader.read_entries(header), episodes)
-    columns = reader.read_columns(header, entries)
+    entries = _choose(header, read_entries(header), episodes)
+    demonstrations = []
+    for found in _demonstrations(header, entries, description):
+        if isinstance(found, DemonstrationError):
+            raise found
+        demonstrations.append(found)
     space = _read_space(header, own)
+    names = {key: header.names(key) for key in (STATE_KEY, ENVIRONMENT_STATE_KEY)}
+    if description is not None:  # by which they are ordered
+        wanted = _wanted_names(description)
+        names = {key: tuple(wanted[key]) if found else None for key, found in names.items()}
     return Dataset(
         folder=header.folder,
-        demonstrations=tuple(
-            _demonstration(entry, columns[entry.index], description) for entry in entries
-        ),
+        demonstrations=tuple(demonstrations),
         episodes=tuple(entry.index for entry in entries),
         fps=header.info["fps"],
-        state_names=header.names(STATE_KEY),
-        environment_state_names=header.names(ENVIRONMENT_STATE_KEY),
+        state_names=names[STATE_KEY],
+        environment_state_names=names[ENVIRONMENT_STATE_KEY],
         environment=own.get("environment"),
         space=space,
         segments=None if space is None else _read_segments(header, entries, space),
     )
+
+
+def read_demonstrations(
+    folder: Path, description: SceneDescription, episodes: Sequence[int] | None = None
+) -> Iterator[Demonstration | DemonstrationError]:
+    """Read a data set's episodes one after another, each file of it once.
+
+    Args:
+        folder: Of the data set.
+        description: Of the environment that it is for.
+        episodes: Which, in this order; all if None.
+
+    Yields:
+        Each episode, or why it cannot be used.
+
+    Raises:
+        DatasetError: If the data set as a whole cannot be used.
+    """
+    header = read_header(folder, CONTROL_FREQUENCY)
+    _read_prime_file(header)
+    entries = _choose(header, read_entries(header), episodes)
+    return _demonstrations(header, entries, description)
 
 
 def count_episodes(folder: Path | str) -> int:
@@ -101,14 +130,14 @@ def count_episodes(folder: Path | str) -> int:
     Raises:
         DatasetError: If it is broken, or no LeRobot v3 data set.
     """
-    return int(reader.read_header(Path(folder), None).info["total_episodes"])
+    return int(read_header(Path(folder), None).info["total_episodes"])
 
 
-def _read_prime_file(header: reader.Header) -> dict[str, Any]:
+def _read_prime_file(header: Header) -> dict[str, Any]:
     path = header.folder / layout.PRIME_FILE
     if not path.is_file():
         return {}
-    content = reader.read_json(path)
+    content = read_json(path)
     version = content.get("version") if isinstance(content, dict) else None
     if not isinstance(content, dict) or version != 1:
         raise DatasetError(
@@ -118,34 +147,49 @@ def _read_prime_file(header: reader.Header) -> dict[str, Any]:
     return content
 
 
-def _check_features(header: reader.Header, description: SceneDescription, names_too: bool) -> None:
-    wanted = {
+def _wanted_names(description: SceneDescription) -> dict[str, list[str]]:
+    return {
         STATE_KEY: description.state_names,
         ENVIRONMENT_STATE_KEY: description.environment_state_names,
     }
+
+
+def _column_orders(
+    header: Header, description: SceneDescription | None
+) -> dict[str, list[int] | None]:
+    """Return which column holds each number of each feature, once all of them fit."""
+    wanted = {layout.ACTION_KEY: list(ACTION_NAMES)}
+    if description is not None:
+        _check_robot(header, description)
+        wanted |= _wanted_names(description)
     for key, names in wanted.items():
-        width = header.widths.get(key, 0)
+        width = header.features[key].width if key in header.features else 0
         if width != len(names):
             raise DatasetError(
                 f"{header.info_file}: feature {key!r} "
                 + (f"has {width} numbers" if width else "is missing")
                 + f"; this environment has {len(names)}: {', '.join(names)}"
             )
-        found = header.names(key)
-        # Names from elsewhere are a matter of taste; ours say which objects are meant.
-        if names_too and found is not None and list(found) != names:
-            first = next(index for index, name in enumerate(names) if found[index] != name)
-            raise DatasetError(
-                f"{header.info_file}: feature {key!r} has {found[first]!r} where this environment "
-                f"has {names[first]!r}: the data set is of another environment"
-            )
+    return {key: column_order(header, key, names) for key, names in wanted.items()}
+
+
+def _check_robot(header: Header, description: SceneDescription) -> None:
+    """Check that a data set that names its robot names the environment's."""
+    found = header.info.get("robot_type")
+    wanted = None if description.robot is None else description.robot.name
+    if not found or "unknown" in (found, wanted) or wanted is None:
+        return
+    # LeRobot's users write franka_panda or Panda.
+    if wanted.lower() not in re.split(r"[^a-z0-9]+", str(found).lower()):
+        raise DatasetError(
+            f"{header.info_file}: robot_type is {found!r}; this environment's robot is {wanted!r}. "
+            f"If it is the same one, write {wanted!r} or null there"
+        )
 
 
 def _choose(
-    header: reader.Header,
-    entries: Sequence[reader.EpisodeEntry],
-    episodes: Sequence[int] | None,
-) -> list[reader.EpisodeEntry]:
+    header: Header, entries: Sequence[EpisodeEntry], episodes: Sequence[int] | None
+) -> list[EpisodeEntry]:
     if episodes is None:
         return list(entries)
     for index in episodes:
@@ -156,8 +200,26 @@ def _choose(
     return [entries[index] for index in episodes]
 
 
+def _demonstrations(
+    header: Header, entries: Sequence[EpisodeEntry], description: SceneDescription | None
+) -> Iterator[Demonstration | DemonstrationError]:
+    orders, units = _column_orders(header, description), UnitCheck(description)
+    for entry, columns in read_episodes(header, entries):
+        if isinstance(columns, DemonstrationError):
+            yield columns
+            continue
+        for key, order in orders.items():
+            if order is not None:
+                columns[key] = columns[key][:, order]
+        with np.errstate(over="ignore"):  # what float32 cannot hold is infinite: no unit of ours
+            found = _demonstration(entry, columns, description)
+        problem = units.problem(found)
+        text = f"{entry.file}: episode {entry.index}: {problem}"
+        yield found if problem is None else DemonstrationError(text)
+
+
 def _demonstration(
-    entry: reader.EpisodeEntry, columns: reader.Columns, description: SceneDescription | None
+    entry: EpisodeEntry, columns: Columns, description: SceneDescription | None
 ) -> Demonstration:
     objects = columns.get(ENVIRONMENT_STATE_KEY)
     if objects is None and description is not None and not description.objects:
@@ -175,12 +237,12 @@ def _demonstration(
     )
 
 
-def _read_space(header: reader.Header, own: dict[str, Any]) -> PrimitiveSpace | None:
+def _read_space(header: Header, own: dict[str, Any]) -> PrimitiveSpace | None:
     if "primitives" not in own:
         return None
     try:
         return parsed.load_space(own["primitives"])
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise DatasetError(
             f"{header.folder / layout.PRIME_FILE}: primitives is not a list of names with their "
             f"parameters ({error!r}): parse the demonstrations again"
@@ -188,10 +250,10 @@ def _read_space(header: reader.Header, own: dict[str, Any]) -> PrimitiveSpace | 
 
 
 def _read_segments(
-    header: reader.Header, entries: Sequence[reader.EpisodeEntry], space: PrimitiveSpace
+    header: Header, entries: Sequence[EpisodeEntry], space: PrimitiveSpace
 ) -> tuple[tuple[Segment, ...], ...]:
     path = header.folder / layout.PRIMITIVES_FILE
-    found = parsed.segments_of(reader.read_table(path, parsed.SEGMENT_COLUMNS))
+    found = parsed.read_segments(path)
     result = tuple(found.get(entry.index, ()) for entry in entries)
     for entry, segments in zip(entries, result, strict=True):
         try:

@@ -1,6 +1,7 @@
 """Segments in a LeRobot data set: our table, the label of each frame, LeRobot's motion rows."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,13 @@ from prime_core.contracts.calls import (
     PrimitiveSpace,
 )
 from prime_core.contracts.demonstration import Segment
+from prime_core.datasets.parquet_reader import (
+    lists_of_numbers,
+    numbers,
+    read_table,
+    texts,
+    whole_numbers,
+)
 
 SegmentLists = Sequence[Sequence[Segment]]
 
@@ -120,17 +128,24 @@ def segment_table(segments: SegmentLists) -> Any:
     )
 
 
-def segments_of(table: Any) -> dict[int, tuple[Segment, ...]]:
-    """Return the segments in an arrow table, by episode.
+def read_segments(path: Path) -> dict[int, tuple[Segment, ...]]:
+    """Return the segments in a parquet file, by episode.
 
     Raises:
-        KeyError: If a column is missing.
+        DatasetError: If it is not the file of such a table.
     """
+    table = read_table(path, SEGMENT_COLUMNS)
+    episodes, starts, ends = (
+        whole_numbers(path, table, name).tolist() for name in ("episode", "start", "end")
+    )
+    primitives = texts(path, table, "primitive")
+    parameters = lists_of_numbers(path, table, "parameters")
+    scores = numbers(path, table, "log_probability", 1)[:, 0].tolist()
     found: dict[int, list[Segment]] = {}
-    columns = [table[name].to_pylist() for name in SEGMENT_COLUMNS]
-    for episode, start, end, primitive, parameters, log_probability in zip(*columns, strict=True):
-        call = PrimitiveCall(primitive, np.array(parameters, dtype=np.float64))
-        found.setdefault(episode, []).append(Segment(start, end, call, log_probability))
+    columns = zip(episodes, starts, ends, primitives, parameters, scores, strict=True)
+    for episode, start, end, primitive, values, score in columns:
+        segment = Segment(start, end, PrimitiveCall(primitive, values), score)
+        found.setdefault(episode, []).append(segment)
     return {episode: tuple(items) for episode, items in found.items()}
 
 
@@ -148,8 +163,11 @@ def load_space(dump: Sequence[Mapping[str, Any]]) -> PrimitiveSpace:
 
     Raises:
         KeyError: If a name is missing.
-        TypeError: If a parameter has not the keys of `Parameter`.
+        TypeError: If a parameter has not the keys of `Parameter`, or a name is no text.
     """
+    for item in dump:
+        if not isinstance(item["name"], str):
+            raise TypeError(f"the name of a primitive is {item['name']!r}")
     spaces = (
         ParameterSpace(tuple(Parameter(**parameter) for parameter in item["parameters"]))
         for item in dump

@@ -1,14 +1,20 @@
 """Parses demonstrations from elsewhere with the IDM of a run."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
 
-from prime_core.contracts.demonstration import DemonstratorConfig, ParsedDemonstration
+from prime_core.contracts.demonstration import (
+    Demonstration,
+    DemonstratorConfig,
+    ParsedDemonstration,
+)
 from prime_core.datasets.read import write_dataset
-from prime_core.errors import ConfigurationError, DatasetError
+from prime_core.errors import ConfigurationError, DatasetError, DemonstrationError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import validate_experiment
+from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
@@ -33,20 +39,33 @@ def open_run(folder: Path) -> Experiment:
     return Experiment(validate_experiment(data, str(path)), folder)
 
 
-def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstration]:
+@dataclass(frozen=True, eq=False)
+class ForeignDemonstrations:
+    """Demonstrations from elsewhere, parsed.
+
+    Attributes:
+        parsed: Those that can be used, by their numbers in the source.
+        left_out: Why the others cannot be used, by theirs.
+    """
+
+    parsed: dict[str, ParsedDemonstration]
+    left_out: dict[str, str]
+
+
+def parse_foreign(
+    source: Path, run: Path, target: Path, strict: bool = False
+) -> ForeignDemonstrations:
     """Parse demonstrations that a run has not seen, with its trained IDM and its parser.
 
     Args:
-        source: A LeRobot data set's folder, or a robosuite HDF5 file.
+        source: A LeRobot data set's folder, or an HDF5 file of robosuite or robomimic.
         run: The folder of the run.
         target: Where the parsed data set and the timelines go; it must not exist.
-
-    Returns:
-        The parsed demonstrations.
+        strict: Whether a demonstration that cannot be used is an error.
 
     Raises:
-        PrimeError: If the source cannot be read, the run has no trained IDM, or the target is
-            there already.
+        PrimeError: If the source cannot be read, none of its demonstrations can be used, the run
+            has no trained IDM, or the target is there already.
     """
     experiment = open_run(run)
     if experiment.idm.missing():
@@ -55,27 +74,37 @@ def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstra
         )
     if target.exists():
         raise DatasetError(f"{target}: is there already: choose another folder with --out")
-    if not source.exists():
-        raise DatasetError(f"{source}: there is no such data set")
     config = _demonstrator_of(source)
     settings = experiment.config
+    count = config.count_available()
+    shown = config.demonstrations(settings.environment, range(count), settings.seed)
+    good: dict[str, Demonstration] = {}
+    left_out: dict[str, str] = {}
+    for number, found in enumerate(shown):
+        if isinstance(found, DemonstrationError):
+            left_out[str(number)] = str(found)
+        else:
+            good[str(number)] = found
+    check_left_out(left_out, count, strict)
     idm, parser = experiment.idm.load(), settings.parser
-    parsed = [
-        parse_demonstration(
-            config.demonstrate(settings.environment, index, settings.seed), idm, parser
-        )
-        for index in range(config.count_available())
-    ]
-    _write(experiment, parsed, target)
-    return parsed
+    parsed = {number: parse_demonstration(one, idm, parser) for number, one in good.items()}
+    _write(experiment, [*parsed.values()], target)
+    return ForeignDemonstrations(parsed, left_out)
 
 
 def _demonstrator_of(source: Path) -> DemonstratorConfig:
     """Return settings of the registered demonstrator that reads a source.
 
     Raises:
-        DatasetError: If none does.
+        DatasetError: If none does, or it cannot be opened.
     """
+    try:
+        source.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        raise DatasetError(f"{source}: there is no such data set") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise DatasetError(f"{source}: cannot be read: {reason}") from None
     registrations = load_plugins().registry.registrations("demonstrator")
     for entry in registrations:
         if issubclass(entry.config_class, DemonstratorConfig) and entry.config_class.reads(source):

@@ -17,6 +17,7 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.progress_bar import _progress
 from prime_core.experiments.reading import dump_experiment
 from prime_core.experiments.slurm import jobs_watched_in_queue
+from prime_core.experiments.stages.demonstrations import Demonstrations, check_left_out
 from prime_core.experiments.stages.stage import PARENT_VARIABLE, Stage
 from prime_core.files import new_file
 
@@ -39,6 +40,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         total, missing = len(stage.items()), len(stage.missing())
         if not missing:
             console.print(f"[green]✓[/] {name} [dim]was done before[/]")
+            _tell_left_out(console, stage, experiment.config.strict)
             continue
         try:
             with _ready_for_workers(stage), _progress(console, name, stage, total):
@@ -49,6 +51,17 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
             console.print(f"[yellow]-[/] {name} left out: {error}", highlight=False)
             continue
         console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
+        _tell_left_out(console, stage, experiment.config.strict)
+
+
+def _tell_left_out(console: Console, stage: Stage, strict: bool) -> None:
+    """List the demonstrations that cannot be used; stop where the experiment asks for all."""
+    if isinstance(stage, Demonstrations):
+        reasons = stage.left_out()
+        check_left_out(reasons, len(stage.items()), strict)
+        for item, reason in reasons.items():
+            text = f"  demonstration {item} left out: {reason}"
+            console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def write_resolved(experiment: Experiment) -> Path:

@@ -44,6 +44,8 @@ class ExperimentConfig(Config):
     """The library of primitives."""
     demonstrations: DemonstratorChoice
     """Where the demonstrations come from."""
+    strict: bool = False
+    """Whether a demonstration that cannot be used is an error; else it is left out and listed."""
     collection: CollectionPlaces = CollectionPlaces()
     """How random rollouts are collected."""
     pairs: PairConfig = PairConfig()

@@ -26,7 +26,7 @@ class PointMass(Environment):
             {
                 "observation.state": gymnasium.spaces.Box(-np.inf, np.inf, (15,), np.float32),
                 "observation.environment_state": gymnasium.spaces.Box(
-                    -np.inf, np.inf, (16,), np.float32
+                    -np.inf, np.inf, (description.environment_state_width,), np.float32
                 ),
             }
         )
@@ -51,6 +51,7 @@ class PointMass(Environment):
         return self.observe(), float(success), success, False, {"is_success": success}
 
     def scene(self) -> Scene:
+        count = len(self.description.objects)
         return Scene(
             description=self.description,
             gripper_position=self.values[:3].copy(),
@@ -58,8 +59,8 @@ class PointMass(Environment):
             gripper_opening=float(self.values[4]),
             joint_positions=np.zeros(7),
             objects=ObjectPoses(
-                positions=self.values[5:].reshape(2, 3).copy(),
-                quaternions=np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)),
+                positions=self.values[5:].reshape(2, 3)[:count].copy(),
+                quaternions=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
                 held=None,
             ),
         )

@@ -14,7 +14,8 @@ from prime_core.errors import DatasetError
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config, motor_actions
+from prime_envs_robosuite.recordings.recorded_settings import ROBOSUITES_SCALE
+from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config
 
 HUMAN = Path(__file__).parents[3] / "shared" / "human_demos"
 KEYBOARD, SPACE_MOUSE = HUMAN / "lift_v1.4.0_keyboard.hdf5", HUMAN / "lift_v1.4.1.hdf5"
@@ -135,7 +136,7 @@ def test_only_the_object_to_move_is_taken_from_pick_place(
 def test_actions_are_clipped_before_they_are_scaled() -> None:
     recorded = np.array([[3.75, -0.5, 0.0, 0.3, 0.3, -0.2, 1.0], [0, 0, -9.0, 0, 0, 2.0, -0.4]])
     expected = [[0.05, -0.025, 0.0, -0.1, 1.0], [0.0, 0.0, -0.05, 0.5, -1.0]]
-    assert np.allclose(motor_actions(recorded), expected)
+    assert np.allclose(ROBOSUITES_SCALE.motor_actions(recorded), expected)
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
@@ -155,21 +156,24 @@ def test_another_layout_is_refused(tmp_path: Path) -> None:
         file.create_group("episodes")
     assert refusal(path) == (
         "has no group 'data'; it holds episodes. Expected is the layout of robosuite's "
-        "collect_human_demonstrations"
+        "collect_human_demonstrations or of robomimic: a group 'data' with a group for each "
+        "demonstration"
     )
 
 
 def test_another_task_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path / "a.hdf5", "Stack", demo_1=zeros())
     assert refusal(path) == (
-        "attribute 'env' of 'data' is 'Stack'; the environment LiftConfig takes recordings of "
-        "'Lift'"
+        "attribute 'env' of 'data' names 'Stack'; the environment takes recordings of 'Lift'"
     )
 
 
 def test_an_unnamed_task_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path / "a.hdf5", None, demo_1=zeros())
-    assert refusal(path) == "group 'data' has no attribute 'env', the recorded task"
+    assert refusal(path) == (
+        "group 'data' names no recorded task: it has neither an attribute 'env' (robosuite) nor "
+        "'env_args' with an env_name (robomimic)"
+    )
 
 
 def test_no_demonstration_is_refused(tmp_path: Path) -> None:
@@ -185,13 +189,13 @@ def test_an_unknown_episode_is_refused(tmp_path: Path) -> None:
 
 def test_an_index_beyond_the_file_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path / "a.hdf5", demo_1=zeros())
-    with pytest.raises(DatasetError, match="has demonstrations 0 to 0, not 1"):
+    with pytest.raises(DatasetError, match="gives 1 demonstrations, not 2"):
         RobosuiteHdf5Config(path=path).demonstrate(LiftConfig(), 1, 0)
 
 
 def test_missing_arrays_are_named(tmp_path: Path) -> None:
     path = write(tmp_path / "a.hdf5", demo_1={"states": np.zeros((3, LIFT_WIDTH))})
-    assert refusal(path) == "has no data set data/demo_1/actions"
+    assert refusal(path) == "data/demo_1: has no data set 'actions'; it holds states"
 
 
 def test_other_joints_are_refused(tmp_path: Path) -> None:
@@ -219,9 +223,10 @@ def test_numbers_must_be_finite(tmp_path: Path) -> None:
     )
 
 
-def test_a_failure_is_refused(tmp_path: Path, lift: RobosuiteEnvironment) -> None:
+def test_success_is_no_condition(tmp_path: Path, lift: RobosuiteEnvironment) -> None:
     lift.reset(seed=0)
     state = lift.get_state()[:LIFT_WIDTH]
     arrays = {"states": np.stack((state, state)), "actions": np.zeros((2, 7))}
+    arrays["states"][:, 0] = [0.0, 0.05]
     path = write(tmp_path / "a.hdf5", demo_1=arrays)
-    assert refusal(path) == "data/demo_1 does not end in success"
+    assert RobosuiteHdf5Config(path=path).demonstrate(LiftConfig(), 0, 0).steps == 1

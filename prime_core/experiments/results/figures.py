@@ -20,6 +20,10 @@ def figures_of(file: dict[str, Any]) -> Figures:
 
 def _figures(results: dict[str, Any]) -> Figures:
     found: Figures = {}
+    left_out = results.get("demonstrations", {}).get("left_out")
+    if left_out:
+        total = results["demonstrations"]["demonstrations"] + len(left_out)
+        found["demonstrations left out"] = f"{len(left_out)} of {total}"
     if "collection" in results:
         found |= _collection(results["collection"])
     if "idm" in results:

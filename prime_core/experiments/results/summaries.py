@@ -10,6 +10,7 @@ import numpy as np
 from prime_core.contracts.demonstration import ParsedDemonstration
 from prime_core.experiments.results.rates import mean_of_best, wilson_interval
 from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.idm import IdmTraining
 from prime_core.experiments.stages.parsing import Parsing
@@ -63,9 +64,16 @@ def _(stage: IdmTraining) -> Summary:
 
 
 @summarise.register
+def _(stage: Demonstrations) -> Summary:
+    """Return how many there are, and which of them cannot be used and why."""
+    left_out = stage.left_out()
+    return {"demonstrations": len(stage.items()) - len(left_out), "left_out": left_out}
+
+
+@summarise.register
 def _(stage: Parsing) -> Summary:
     """Return how long the sequences are, and what is left to `other`."""
-    return parsing_summary(stage.load())
+    return parsing_summary([*stage.load().values()])
 
 
 def parsing_summary(parsed: Sequence[ParsedDemonstration]) -> Summary:
@@ -83,12 +91,13 @@ def parsing_summary(parsed: Sequence[ParsedDemonstration]) -> Summary:
 @summarise.register
 def _(stage: Replaying) -> Summary:
     """Return success rates and steps."""
-    results = stage.results()
+    pairs = zip(stage.items(), stage.results(), strict=True)
+    results = {int(item): result for item, result in pairs if LEFT_OUT not in result}
     return {
         name: {
-            "success": float(np.mean([item[name]["success"] for item in results])),
-            "mean_steps": float(np.mean([item[name]["steps"] for item in results])),
-            "failed": [index for index, item in enumerate(results) if not item[name]["success"]],
+            "success": float(np.mean([item[name]["success"] for item in results.values()])),
+            "mean_steps": float(np.mean([item[name]["steps"] for item in results.values()])),
+            "failed": [number for number, one in results.items() if not one[name]["success"]],
         }
         for name in ("with_other", "without_other")
     }

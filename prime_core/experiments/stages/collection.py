@@ -5,6 +5,7 @@ from dataclasses import fields
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from prime_core.collection.draws import Draws
@@ -90,7 +91,8 @@ def _kept(episode: CollectedEpisode) -> dict[str, np.ndarray[Any, Any]]:
 
 def _restored(arrays: dict[str, Any], width: int) -> CollectedEpisode:
     """Return an episode from the arrays that were kept of it."""
-    empty = {
+    empty: dict[str, NDArray[Any]] = {
+        "environment_state": np.empty((len(arrays["state"]), 0), dtype=np.float32),
         "rollouts": np.empty((0, 3), dtype=np.int64),
         "parameters": np.empty((0, width)),
         "others": np.empty((0, 2), dtype=np.int64),

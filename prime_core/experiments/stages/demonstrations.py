@@ -1,6 +1,6 @@
 """The stage that shows or imports demonstrations."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,12 +10,16 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
+from prime_core.errors import DatasetError, DemonstrationError
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.registry.fields import read_settings
 
+LEFT_OUT = "left_out"
+"""Key of the reason, in the result of a demonstration that cannot be used."""
+
 
 class Demonstrations(Stage):
-    """Demonstrations, one an item."""
+    """Demonstrations, one an item; of one that cannot be used, why."""
 
     title: ClassVar[str] = "demonstrations"
     unit: ClassVar[str] = "demonstrations"
@@ -37,29 +41,62 @@ class Demonstrations(Stage):
         """Show or import demonstrations."""
         environment = read_settings(EnvironmentConfig, self.environment)
         config = self.config
-        for item in items:
-            shown = config.demonstrate(environment, int(item), self.seed)
+        indices = [int(item) for item in items]
+        for shown in config.demonstrations(environment, indices, self.seed):
+            if isinstance(shown, DemonstrationError):
+                yield {LEFT_OUT: str(shown)}
+                continue
+            objects = shown.observations.environment_state
             yield {
                 "state": shown.observations.state,
-                "environment_state": shown.observations.environment_state,
+                # exca keeps no array without numbers, which is what a scene without objects has.
+                "environment_state": objects if objects is None or objects.size else None,
+                "sees_no_objects": objects is not None and not objects.size,
                 "actions": shown.actions,
                 "simulator_states": shown.simulator_states,
                 "task": shown.task,
             }
 
-    def load(self) -> list[Demonstration]:
-        """Return all demonstrations."""
-        return [
-            Demonstration(
-                observations=Observations(
-                    np.array(item["state"]), _array_or_none(item["environment_state"])
-                ),
-                actions=np.array(item["actions"]),
-                task=item["task"],
-                simulator_states=_array_or_none(item["simulator_states"]),
-            )
-            for item in self.results()
-        ]
+    def left_out(self) -> dict[str, str]:
+        """Return why demonstrations cannot be used, by their items."""
+        pairs = zip(self.items(), self.results(), strict=True)
+        return {item: result[LEFT_OUT] for item, result in pairs if LEFT_OUT in result}
+
+    def load(self) -> dict[str, Demonstration]:
+        """Return all demonstrations that can be used, by their items."""
+        pairs = zip(self.items(), self.results(), strict=True)
+        return {item: _demonstration(result) for item, result in pairs if LEFT_OUT not in result}
+
+
+def check_left_out(reasons: Mapping[str, str], total: int, strict: bool) -> None:
+    """Check that there are demonstrations to go on with.
+
+    Args:
+        reasons: Why some cannot be used, by their numbers.
+        total: How many there are with them.
+        strict: Whether all must be of use.
+
+    Raises:
+        DatasetError: If none can be used, or, being strict, some cannot.
+    """
+    if reasons and (strict or len(reasons) == total):
+        listing = "\n".join(f"  {item}: {reason}" for item, reason in reasons.items())
+        asked = " and 'strict' asks for all" if strict else ""
+        raise DatasetError(
+            f"{len(reasons)} of {total} demonstrations cannot be used{asked}:\n{listing}"
+        )
+
+
+def _demonstration(result: Result) -> Demonstration:
+    state, objects = np.array(result["state"]), _array_or_none(result["environment_state"])
+    if result.get("sees_no_objects"):
+        objects = np.zeros((len(state), 0), dtype=np.float32)
+    return Demonstration(
+        observations=Observations(state, objects),
+        actions=np.array(result["actions"]),
+        task=result["task"],
+        simulator_states=_array_or_none(result["simulator_states"]),
+    )
 
 
 def _array_or_none(values: Any) -> NDArray[Any] | None:

@@ -25,7 +25,7 @@ class Export(Stage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Write outputs."""
-        parsed = self.parsing.load()
+        parsed = [*self.parsing.load().values()]
         collection = self.parsing.idm.collection
         world = build_world(self.parsing.demonstrations.environment, collection.primitives)
         for item in items:

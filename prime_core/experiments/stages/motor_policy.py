@@ -38,7 +38,7 @@ class MotorPolicyTraining(PolicyTraining):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""
-        world, demonstrations = self.build_world(), self.demonstrations.load()
+        world, demonstrations = self.build_world(), [*self.demonstrations.load().values()]
         for item in items:
             context = self.training_context(world.context(self.device), item)
             checkpoints = self.config.fit(demonstrations, context)

@@ -9,7 +9,7 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.calls import PrimitiveCall
 from prime_core.contracts.demonstration import ParsedDemonstration, Segment
 from prime_core.contracts.parser import ParserConfig
-from prime_core.experiments.stages.demonstrations import Demonstrations
+from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
 from prime_core.experiments.stages.idm import IdmTraining
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.parsing.demonstrations import parse_demonstration
@@ -39,16 +39,20 @@ class Parsing(Stage):
         """Parse demonstrations."""
         config, idm, shown = self.config, self.idm.load(), self.demonstrations.load()
         for item in items:
-            parsed = parse_demonstration(shown[int(item)], idm, config)
+            if item not in shown:
+                yield {LEFT_OUT: True}
+                continue
+            parsed = parse_demonstration(shown[item], idm, config)
             yield {"segments": [_plain(segment) for segment in parsed.segments]}
 
-    def load(self) -> list[ParsedDemonstration]:
-        """Return all demonstrations with their segments."""
+    def load(self) -> dict[str, ParsedDemonstration]:
+        """Return all demonstrations that can be used with their segments, by their items."""
         shown = self.demonstrations.load()
-        return [
-            ParsedDemonstration(item, tuple(_segment(row) for row in result["segments"]))
-            for item, result in zip(shown, self.results(), strict=True)
-        ]
+        results = self.compute([*shown])
+        return {
+            item: ParsedDemonstration(one, tuple(_segment(row) for row in result["segments"]))
+            for (item, one), result in zip(shown.items(), results, strict=True)
+        }
 
 
 def _plain(segment: Segment) -> Result:

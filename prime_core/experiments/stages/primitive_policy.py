@@ -39,7 +39,8 @@ class PrimitivePolicyTraining(PolicyTraining):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""
-        config, world, parsed = self.config, self.build_world(), self.parsing.load()
+        config, world = self.config, self.build_world()
+        parsed = [*self.parsing.load().values()]
         idm = self.parsing.idm.load()
         rollouts = None
         if config.pretrain:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 from prime_core.execution.replay import replay_demonstration
+from prime_core.experiments.stages.demonstrations import LEFT_OUT
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.registry.building import build_world
@@ -28,12 +29,15 @@ class Replaying(Stage):
         world = build_world(self.parsing.demonstrations.environment, collection.primitives)
         parsed = self.parsing.load()
         for item in items:
+            if item not in parsed:
+                yield {LEFT_OUT: True}
+                continue
             result: Result = {}
             for name, replay_other in (("with_other", True), ("without_other", False)):
                 replay = replay_demonstration(
                     world.environment,
                     world.primitives,
-                    parsed[int(item)],
+                    parsed[item],
                     replay_other=replay_other,
                 )
                 result[name] = {

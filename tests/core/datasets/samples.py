@@ -9,6 +9,7 @@ import numpy as np
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveCall, PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, Segment
 from prime_core.contracts.description import ObjectDescription, SceneDescription
+from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.contracts.observations import Observations
 from prime_core.datasets.read import write_dataset
 
@@ -38,11 +39,17 @@ def demonstration(
 ) -> Demonstration:
     generator = np.random.default_rng([seed, frames])
 
-    def numbers(width: int) -> Any:
-        return generator.normal(size=(frames, width)).astype(np.float32)
+    def pose() -> Any:
+        quaternion = generator.normal(size=(frames, 4))
+        quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
+        return np.hstack((generator.uniform(0.0, 1.0, (frames, 3)), quaternion))
 
+    robot = np.hstack((pose(), generator.uniform(0.0, 0.08, (frames, 8))))
+    things = [np.hstack((pose(), generator.integers(0, 2, (frames, 1)))) for _ in range(2)]
+    actions = generator.uniform(-ACTION_LIMIT, ACTION_LIMIT, (frames, 5))
+    seen = Observations(robot.astype(np.float32), np.hstack(things).astype(np.float32))
     states = generator.normal(size=(frames, 20)) if simulated else None
-    return Demonstration(Observations(numbers(15), numbers(16)), numbers(5), task, states)
+    return Demonstration(seen, actions.astype(np.float32), task, states)
 
 
 def segments_of(frames: int) -> list[Segment]:

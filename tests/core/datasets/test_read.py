@@ -65,7 +65,10 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
         r"codebase_version is 'v2.1'.*convert_dataset_v21_to_v30",
     ),
     "no version": (lambda f: (f / "meta/info.json").write_text("[]"), r"codebase_version is None"),
-    "no fps": (lambda f: change_info(f, lambda info: info.pop("fps")), r"fps is 'missing'"),
+    "no fps": (
+        lambda f: change_info(f, lambda info: info.pop("fps")),
+        r"fps is 'missing'; it should be a number",
+    ),
     "other fps": (
         lambda f: change_info(f, lambda info: info.update(fps=50)),
         r"fps is 50; motor actions here are steps of 20 a second",
@@ -93,7 +96,8 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
                 0, "cereal.x"
             ),
         ),
-        r"has 'cereal.x' where this environment has 'milk.x'",
+        r"feature 'observation.environment_state' has 'cereal.x' where this environment has "
+        r"'milk.x'. It has cereal.x, milk.y,.*changed to these",
     ),
     "other width": (
         lambda f: change_info(
@@ -175,8 +179,8 @@ def test_a_set_from_elsewhere_is_read(tmp_path: Path) -> None:
 
     def foreign(info: dict[str, Any]) -> None:
         info["features"].pop("simulator_state")
-        info["features"]["observation.state"]["names"] = {"motors": ["a", "b"]}
-        info["features"]["observation.environment_state"]["names"] = ["q"] * 16
+        info["features"]["observation.state"]["names"] = None
+        info["features"]["observation.environment_state"]["names"] = []
         info["features"]["action"]["dtype"] = "float64"
 
     change_info(tmp_path / "set", foreign)

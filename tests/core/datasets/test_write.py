@@ -66,7 +66,7 @@ def test_what_does_not_fit_is_not_written(tmp_path: Path) -> None:
     blind = replace(good, observations=good.observations.only(["proprioception"]))
     with pytest.raises(DatasetError, match="demonstration 1 does not tell where objects are"):
         write_dataset(folder, [good, blind], DESCRIPTION)
-    holed = replace(good, actions=np.where(good.actions > 1, np.nan, good.actions))
+    holed = replace(good, actions=np.where(good.actions > 0, np.nan, good.actions))
     with pytest.raises(DatasetError, match="demonstration 0: action holds NaN"):
         write_dataset(folder, [holed], DESCRIPTION)
     with pytest.raises(DatasetError, match="at least one episode"):

@@ -34,7 +34,7 @@ def test_a_collection_is_summarised_by_what_it_holds(job: Experiment) -> None:
 
 def test_parsed_demonstrations_are_summarised(job: Experiment) -> None:
     found = summarise(job.parsing)
-    parsed = job.parsing.load()
+    parsed = [*job.parsing.load().values()]
     assert found is not None
     assert found["demonstrations"] == 2
     assert found["mean_steps"] == np.mean([item.demonstration.steps for item in parsed])

@@ -1,6 +1,7 @@
 """A pack for whole experiments in a second: the point mass, a rise, models that learn a mean."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Floats, Indices
+from prime_core.checks.samples import DESCRIPTION
 from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.description import SceneDescription
@@ -23,7 +25,7 @@ from prime_core.contracts.policy import (
 )
 from prime_core.contracts.primitive import Primitive, PrimitiveConfig
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
-from prime_core.errors import PrimeError
+from prime_core.errors import DemonstrationError, PrimeError
 from prime_core.hookspecs import hookimpl
 
 from ..execution.toys import Rise
@@ -45,8 +47,12 @@ class Seen(PointMass):
 class PointMassConfig(EnvironmentConfig):
     """Settings of the point mass."""
 
+    with_objects: bool = True
+
     def build(self) -> Environment:
-        return Seen()
+        if self.with_objects:
+            return Seen()
+        return Seen(replace(DESCRIPTION, objects=(), affordances=()))
 
 
 class RiseConfig(PrimitiveConfig):
@@ -61,11 +67,14 @@ class ClimberConfig(DemonstratorConfig):
 
     count: int = 2
     step: float = 0.02
+    broken: tuple[int, ...] = ()
 
     def count_available(self) -> int:
         return self.count
 
     def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
+        if index in self.broken:
+            raise DemonstrationError(f"climb {index} was not recorded")
         world = environment.build()
         observation, _ = world.reset(seed=1000 * seed + index)
         action = np.array([0.0, 0.0, self.step, 0.0, 0.0])

@@ -1,17 +1,26 @@
-"""Reading what robosuite's own recorder wrote: human demonstrations in an HDF5 file."""
+"""Reading what robosuite's recorder or robomimic wrote: human demonstrations in an HDF5 file."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
-from prime_core.contracts.environment import ACTION_LIMIT, EnvironmentConfig
-from prime_core.errors import DatasetError
+from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
+from prime_core.contracts.environment import CONTROL_FREQUENCY, EnvironmentConfig
+from prime_core.errors import DatasetError, DemonstrationError
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
-from prime_envs_robosuite.recordings.hdf5_file import array_of, data_of, names_of, open_file
+from prime_envs_robosuite.recordings.hdf5_file import (
+    array_of,
+    data_of,
+    names_of,
+    open_file,
+    told,
+)
+from prime_envs_robosuite.recordings.joint_states import JointState, read_joint_state
+from prime_envs_robosuite.recordings.recorded_settings import read_settings_of
 
 if TYPE_CHECKING:
     from prime_envs_robosuite.environment import RobosuiteEnvironment
@@ -20,14 +29,14 @@ Array = NDArray[np.float64]
 
 NAME = "robosuite-hdf5"
 OSC_WIDTH = 7  # displacement, rotation vector, gripper
-ROBOT_JOINTS = 9  # 7 of the arm, 2 fingers
-POSE_WIDTH, TWIST_WIDTH = 7, 6  # of a free body in qpos and qvel
+CLOCK_TOLERANCE = 1e-3  # [s]
 
 
-class RobosuiteHdf5Config(DemonstratorConfig):
-    """Human demonstrations, recorded with robosuite's ``collect_human_demonstrations``.
+class RobosuiteHdf5Config(RecordedDemonstratorConfig):
+    """Human demonstrations in an HDF5 file of robosuite or robomimic.
 
-    Every frame's joint positions and velocities are put into the environment and read off
+    That is what ``collect_human_demonstrations`` writes, and robomimic's data sets of robosuite's
+    tasks. Every frame's joint positions and velocities are put into the environment and read off
     as it sees them. Recordings leave out part of the simulator's state, and our environment
     keeps the gripper pointing down where it was let tilt: a frame is where the demonstrator was,
     but stepping on from it is only near to what followed.
@@ -36,7 +45,7 @@ class RobosuiteHdf5Config(DemonstratorConfig):
     path: Path
     """The HDF5 file."""
 
-    episodes: tuple[str, ...] | None = None
+    episodes: tuple[str, ...] | None = Field(None, min_length=1)
     """Groups to take, such as ``[demo_1, demo_3]``; all by default, in the order of their
     numbers."""
 
@@ -46,64 +55,78 @@ class RobosuiteHdf5Config(DemonstratorConfig):
     @classmethod
     def reads(cls, source: Path) -> bool:
         """Whether it is a file by one of HDF5's usual endings."""
-        return source.is_file() and source.suffix in (".hdf5", ".h5")
+        return source.is_file() and source.suffix.lower() in (".hdf5", ".h5")
 
     def count_available(self) -> int:
         """How many demonstrations the file has or the settings name."""
-        with open_file(self.path) as file:
+        with open_file(self.path) as file, told(str(self.path), DatasetError):
             return len(names_of(self.path, data_of(self.path, file), self.episodes))
 
-    def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
-        """Return one recording; the seed changes nothing. See `DemonstratorConfig`.
+    def demonstrations(
+        self, environment: EnvironmentConfig, indices: Sequence[int], seed: int
+    ) -> Iterator[Demonstration | DemonstrationError]:
+        """Return some recordings; the seed changes nothing. See `DemonstratorConfig`.
 
         Raises:
-            DatasetError: If the file is not such a recording, or not of this environment.
+            DatasetError: If the file is no such recording, or not of this environment.
         """
         from prime_envs_robosuite.recorder import build_for_recording
 
+        self.check_indices(indices)
         with open_file(self.path) as file:
-            data = data_of(self.path, file)
-            names = names_of(self.path, data, self.episodes)
-            if not 0 <= index < len(names):
-                raise DatasetError(
-                    f"{self.path}: has demonstrations 0 to {len(names) - 1}, not {index}"
-                )
-            name = names[index]
-            recorded = _recorded_objects(self.path, data, environment)
-            states = array_of(self.path, data, f"{name}/states")
-            actions = array_of(self.path, data, f"{name}/actions")
-        _check_shapes(f"{self.path}: data/{name}", len(recorded), states, actions)
-        built = build_for_recording(environment, NAME)
-        try:
-            joints = _joint_state(states, recorded, built.description.objects[0].name)
-            shown = _restore(built, *joints, motor_actions(actions), self.ends_when_solved)
-            if not built.is_success():
-                raise DatasetError(f"{self.path}: data/{name} does not end in success")
-        finally:
-            built.close()
-        return shown
+            with told(str(self.path), DatasetError):
+                data = data_of(self.path, file)
+                names = names_of(self.path, data, self.episodes)
+                task, objects = _recorded_task(environment)
+                scale = read_settings_of(self.path, data, task)
+            built = build_for_recording(environment, NAME)
+            try:
+                for index in indices:
+                    try:
+                        state, actions = self._read(data, names[index], objects, built)
+                    except DatasetError as error:
+                        yield DemonstrationError(str(error))
+                        continue
+                    yield _restore(built, state, scale.motor_actions(actions), self)
+            finally:
+                built.close()
+
+    def _read(
+        self, data: Any, name: str, objects: Sequence[str], built: "RobosuiteEnvironment"
+    ) -> tuple[JointState, Array]:
+        """Return the joint state and the actions of a recording.
+
+        Raises:
+            DatasetError: If it cannot be used.
+        """
+        import h5py
+
+        where = f"{self.path}: data/{name}"
+        with told(where, DemonstrationError):
+            group = data[name]
+            if not isinstance(group, h5py.Group):
+                raise DemonstrationError(f"{where} is no group of a demonstration")
+            wanted = built.description.objects[0].name
+            state = read_joint_state(where, self.path, group, objects, wanted)
+            actions = array_of(where, group, "actions")
+            count = group.attrs.get("num_samples", len(actions))
+            clock = array_of(where, group, "states")[:, 0] if "states" in group else None
+        if actions.shape != (len(state.positions), OSC_WIDTH):
+            raise DemonstrationError(
+                f"{where}/actions has shape {actions.shape}, must have "
+                f"({len(state.positions)}, {OSC_WIDTH}): an OSC_POSE action for each state"
+            )
+        if not np.array_equal(count, len(actions)):
+            raise DemonstrationError(
+                f"{where} has {len(actions)} actions; its num_samples says {count}"
+            )
+        if clock is not None:
+            _check_clock(where, clock)
+        state.check(where)
+        return state, actions
 
 
-def _recorded_objects(path: Path, data: Any, environment: EnvironmentConfig) -> tuple[str, ...]:
-    """Return the objects of a recording, in order.
-
-    Raises:
-        DatasetError: If it is of another task than the environment.
-    """
-    wanted, objects = _recorded_task(environment)
-    found = data.attrs.get("env")
-    found = found.decode() if isinstance(found, bytes) else found
-    if found is None:
-        raise DatasetError(f"{path}: group 'data' has no attribute 'env', the recorded task")
-    if found != wanted:
-        raise DatasetError(
-            f"{path}: attribute 'env' of 'data' is {found!r}; the environment "
-            f"{type(environment).__name__} takes recordings of {wanted!r}"
-        )
-    return objects
-
-
-def _recorded_task(environment: EnvironmentConfig) -> tuple[str | None, tuple[str, ...]]:
+def _recorded_task(environment: EnvironmentConfig) -> tuple[str, tuple[str, ...]]:
     """Return robosuite's name of an environment and the objects of its recordings, in order."""
     if isinstance(environment, LiftConfig):
         return "Lift", ("cube",)
@@ -111,49 +134,37 @@ def _recorded_task(environment: EnvironmentConfig) -> tuple[str | None, tuple[st
         # robosuite keeps the objects that are not to be moved, out of the way.
         name = f"PickPlace{environment.object.capitalize()}"
         return name, ("milk", "bread", "cereal", "can")
-    return None, ()
+    raise DatasetError(
+        f"demonstrator {NAME!r} reads recordings of robosuite's Lift and PickPlace; there are none "
+        f"of {type(environment).__name__}"
+    )
 
 
-def _check_shapes(where: str, objects: int, states: Array, actions: Array) -> None:
-    """Raise if arrays do not fit the model or each other.
-
-    Args:
-        where: File and group.
-        objects: Number of recorded objects.
-        states: ``(N, 1 + nq + nv)``.
-        actions: ``(N, 7)``.
-    """
-    positions = ROBOT_JOINTS + POSE_WIDTH * objects
-    velocities = ROBOT_JOINTS + TWIST_WIDTH * objects
-    expected = 1 + positions + velocities
-    if states.shape[1] != expected:
-        raise DatasetError(
-            f"{where}/states has rows of {states.shape[1]} numbers, must have {expected}: time, "
-            f"{positions} joint positions and {velocities} joint velocities of a Panda and "
-            f"{objects} object(s)"
-        )
-    if actions.shape != (len(states), OSC_WIDTH):
-        raise DatasetError(
-            f"{where}/actions has shape {actions.shape}, must have ({len(states)}, {OSC_WIDTH}): "
-            "an OSC_POSE action for each state"
+def _check_clock(where: str, clock: Array) -> None:
+    """Raise if a recording says that its frames are not ours of 20 a second."""
+    steps = np.diff(clock)
+    bad = np.abs(steps - 1 / CONTROL_FREQUENCY) > CLOCK_TOLERANCE
+    if np.any(steps) and np.any(bad):  # where time stands still, it was not recorded
+        row = int(np.argmax(bad))
+        raise DemonstrationError(
+            f"{where}/states: time goes on by {steps[row]:.4g} s after row {row}; it must go on by "
+            f"{1 / CONTROL_FREQUENCY} s, {CONTROL_FREQUENCY} times a second"
         )
 
 
 def _restore(
     environment: "RobosuiteEnvironment",
-    positions: Array,
-    velocities: Array,
+    state: JointState,
     actions: Array,
-    ends_when_solved: bool,
+    config: RobosuiteHdf5Config,
 ) -> Demonstration:
     """Read every recorded state as the environment sees it.
 
     Args:
         environment: Of the recorded task.
-        positions: ``qpos`` of each frame, ``(N, nq)``.
-        velocities: ``qvel`` of each frame, ``(N, nv)``.
+        state: Of each of ``N`` frames.
         actions: Motor actions, ``(N, 5)``.
-        ends_when_solved: Whether to leave out what comes after the task was solved.
+        config: Says whether to leave out what comes after the task was solved.
     """
     from prime_envs_robosuite.recorder import Recorder
     from prime_envs_robosuite.simulation.osc_scales import GRIPPER_SPEED
@@ -161,48 +172,10 @@ def _restore(
     recorder = Recorder(environment)
     gripper = 0.0  # half open, as robosuite starts
     for index, action in enumerate(actions):
-        environment.set_joint_state(positions[index], velocities[index], gripper)
+        environment.set_joint_state(state.positions[index], state.velocities[index], gripper)
         if index == len(actions) - 1:
             break
         recorder.add(action)
         # Not recorded, but robosuite adds the commands up just so.
         gripper = float(np.clip(gripper + GRIPPER_SPEED * action[4], -1.0, 1.0))
-    return recorder.finish(float(actions[-1, 4]), ends_when_solved)
-
-
-def _joint_state(states: Array, recorded: Sequence[str], wanted: str) -> tuple[Array, Array]:
-    """Return the joint positions and velocities without the objects that we leave out.
-
-    Args:
-        states: Time, ``qpos`` and ``qvel`` of arm, fingers and objects, ``(N, M)``.
-        recorded: The objects that were recorded, in order.
-        wanted: The one that our environment has.
-
-    Returns:
-        ``(N, 16)`` and ``(N, 15)``.
-    """
-    place = recorded.index(wanted)
-    split = 1 + ROBOT_JOINTS + POSE_WIDTH * len(recorded)
-    poses, twists = states[:, 1:split], states[:, split:]
-    robot = np.arange(ROBOT_JOINTS)
-    pose = ROBOT_JOINTS + POSE_WIDTH * place + np.arange(POSE_WIDTH)
-    twist = ROBOT_JOINTS + TWIST_WIDTH * place + np.arange(TWIST_WIDTH)
-    return poses[:, np.append(robot, pose)], twists[:, np.append(robot, twist)]
-
-
-def motor_actions(actions: Array) -> Array:
-    """Turn recorded OSC_POSE actions into our motor actions.
-
-    robosuite's 1.4 gave displacements and rotations in the world frame, 1.5 gives them in the
-    base frame; a Panda's base is not turned in the tasks that are imported here.
-
-    Args:
-        actions: Displacement, rotation vector, gripper, as recorded: devices may exceed 1,
-            which robosuite's controller clips, ``(N, 7)``.
-
-    Returns:
-        dx, dy, dz [m], dyaw [rad], gripper (-1 open, 1 close), world frame, ``(N, 5)``.
-    """
-    clipped = np.clip(actions, -1.0, 1.0)
-    gripper = np.sign(clipped[:, 6:])
-    return np.asarray(np.hstack((clipped[:, :3], clipped[:, 5:6], gripper)) * ACTION_LIMIT)
+    return recorder.finish(float(actions[-1, 4]), config.ends_when_solved)

@@ -1,0 +1,205 @@
+"""What ``meta/info.json`` of a LeRobot v3 data set says, checked."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeGuard
+
+from prime_core.contracts.environment import ACTION_NAMES
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.datasets import layout
+from prime_core.errors import DatasetError
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One feature of a data set.
+
+    Attributes:
+        width: How many numbers it has in each frame.
+        names: Theirs, in the order of the columns; None where the data set does not say.
+    """
+
+    width: int
+    names: tuple[str, ...] | None
+
+
+@dataclass(frozen=True)
+class Header:
+    """What ``meta/info.json`` says.
+
+    Attributes:
+        folder: Of the data set.
+        info: All of it.
+        features: Those that are read.
+    """
+
+    folder: Path
+    info: dict[str, Any]
+    features: dict[str, Feature]
+
+    @property
+    def info_file(self) -> Path:
+        """Path of ``meta/info.json``."""
+        return self.folder / layout.INFO_FILE
+
+    def names(self, key: str) -> tuple[str, ...] | None:
+        """Return the names of a feature's numbers, if it has any."""
+        return self.features[key].names if key in self.features else None
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file.
+
+    Raises:
+        DatasetError: If it is not there, cannot be opened, or is not JSON.
+    """
+    try:
+        # Windows' editors begin a file with a byte order mark.
+        return json.loads(path.read_text(encoding="utf-8-sig"))
+    except (FileNotFoundError, NotADirectoryError):
+        raise DatasetError(
+            f"{path} is missing: a LeRobot v3 data set is a folder with {layout.INFO_FILE}, "
+            f"{layout.EPISODES_FOLDER}/ and data/"
+        ) from None
+    except OSError as error:
+        raise DatasetError(f"{path} cannot be read: {error.strerror or error}") from error
+    except (ValueError, RecursionError) as error:
+        raise DatasetError(f"{path} is not readable as JSON: {error}") from error
+
+
+def read_header(folder: Path, fps: int | None) -> Header:
+    """Read and check ``meta/info.json``.
+
+    Args:
+        folder: Of the data set.
+        fps: Frames a second that are wanted; None takes any.
+
+    Raises:
+        DatasetError: If it is not that of a LeRobot v3 data set with states and actions.
+    """
+    path = folder / layout.INFO_FILE
+    info = read_json(path)
+    version = info.get("codebase_version") if isinstance(info, dict) else None
+    if not str(version).startswith("v3."):
+        raise DatasetError(
+            f"{path}: codebase_version is {version!r}, and only LeRobot's v3 is read. A v2.1 set "
+            "is converted by `python -m lerobot.scripts.convert_dataset_v21_to_v30`"
+        )
+    _check_values(path, info, fps)
+    features = info["features"]
+    found = {
+        STATE_KEY: _feature(path, features, STATE_KEY, "a vector of numbers"),
+        layout.ACTION_KEY: _feature(
+            path, features, layout.ACTION_KEY, f"{len(ACTION_NAMES)} numbers"
+        ),
+    }
+    for key in (ENVIRONMENT_STATE_KEY, layout.SIMULATOR_STATE_KEY):
+        if key in features:
+            found[key] = _feature(path, features, key, "a vector of numbers")
+    # There is nothing to be read where a scene has no objects.
+    return Header(folder, info, {key: item for key, item in found.items() if item.width})
+
+
+def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
+    """Check the values beside the features that are read."""
+    asked: dict[str, tuple[type | tuple[type, ...], str]] = {
+        "features": (dict, "a table of features"),
+        "fps": ((int, float), "a number of frames a second above 0"),
+        "total_episodes": (int, "a whole number, at least 1"),
+        "data_path": (str, f"a path such as {layout.DATA_FILE!r}"),
+    }
+    for key, (kind, what) in asked.items():
+        value = info.get(key, "missing")
+        empty = isinstance(value, int | float) and not (math.isfinite(value) and value > 0)
+        if isinstance(value, bool) or not isinstance(value, kind) or empty or key not in info:
+            raise DatasetError(f"{path}: {key} is {value!r}; it should be {what}")
+    if fps is not None and info["fps"] != fps:
+        raise DatasetError(
+            f"{path}: fps is {info['fps']}; motor actions here are steps of {fps} a second: "
+            f"resample the data set to {fps}"
+        )
+
+
+def _feature(path: Path, features: Mapping[str, Any], key: str, asked: str) -> Feature:
+    if key not in features:
+        listing = ", ".join(sorted(features))
+        raise DatasetError(
+            f"{path}: no feature {key!r}; it should be {asked} per frame. Features: {listing}"
+        )
+    entry = features[key]
+    if not isinstance(entry, dict):
+        raise DatasetError(
+            f"{path}: feature {key!r} is {entry!r}; it should be a table with dtype, shape and "
+            "names"
+        )
+    kind, shape = entry.get("dtype"), entry.get("shape")
+    width = shape[0] if isinstance(shape, list) and len(shape) == 1 else None
+    if kind not in ("float32", "float64") or not _is_count(width):
+        raise DatasetError(
+            f"{path}: feature {key!r} is {kind} of shape {shape}; it should be {asked} per frame, "
+            "float32 or float64"
+        )
+    right = f"{len(ACTION_NAMES)} ({', '.join(ACTION_NAMES)})"
+    if key == layout.ACTION_KEY and width != len(ACTION_NAMES):
+        raise DatasetError(f"{path}: feature {key!r} has {width} numbers; it should have {right}")
+    if key == STATE_KEY and not width:
+        raise DatasetError(f"{path}: feature {key!r} has no numbers; it should have some")
+    return Feature(width, _names(path, key, entry.get("names"), width))
+
+
+def _is_count(value: object) -> TypeGuard[int]:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
+def _names(path: Path, key: str, found: object, width: int) -> tuple[str, ...] | None:
+    """Return the names of a feature's numbers.
+
+    LeRobot's tools write them as a list, as a list under one heading such as ``motors``, or as
+    a table of the columns' numbers.
+    """
+    if found is None or found == []:
+        return None
+    names = found
+    numbered = isinstance(names, dict) and all(map(_is_count, names.values()))
+    if isinstance(names, dict) and numbered and sorted(names.values()) == [*range(width)]:
+        names = sorted(names, key=names.__getitem__)
+    elif isinstance(names, dict) and len(names) == 1:
+        (names,) = names.values()
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise DatasetError(
+            f"{path}: names of feature {key!r} is {found!r}; it should be a list of {width} names, "
+            "or null"
+        )
+    if len(names) != width or len(set(names)) != width:
+        raise DatasetError(
+            f"{path}: feature {key!r} has {width} numbers and {len(set(names))} different names: "
+            f"{', '.join(names)}. Give one name for each number, or null"
+        )
+    return tuple(names)
+
+
+def column_order(header: Header, key: str, wanted: Sequence[str]) -> list[int] | None:
+    """Return which column holds each of a feature's numbers, by their names.
+
+    Returns:
+        None where the columns are in the order that is wanted, or have no names.
+
+    Raises:
+        DatasetError: If the names are others than those wanted.
+    """
+    found = header.names(key)
+    if found is None or found == tuple(wanted):
+        return None
+    strange = [name for name in found if name not in wanted]
+    if strange:
+        missing = next(name for name in wanted if name not in found)
+        raise DatasetError(
+            f"{header.info_file}: feature {key!r} has {strange[0]!r} where this environment has "
+            f"{missing!r}. It has {', '.join(found)}; wanted are, in any order, "
+            f"{', '.join(wanted)}. Either the data set is of another environment, or its names "
+            "have to be changed to these"
+        )
+    return [found.index(name) for name in wanted]
