@@ -48,3 +48,7 @@ class PluginError(PrimeError):
 
 class DatasetError(PrimeError):
     """A data set is broken, or not what it is asked to be."""
+
+
+class DamagedError(PrimeError):
+    """A file that prime wrote is no longer what it wrote."""
