@@ -1,5 +1,6 @@
 """What becomes of stages that other code made: the user says whether they are kept."""
 
+import sys
 from enum import Enum
 from pathlib import Path
 
@@ -77,7 +78,7 @@ def open_experiment(
 
 
 def _asked(console: Console) -> OtherCode:
-    if not (console.is_terminal and console.is_interactive):
+    if not (console.is_terminal and sys.stdin.isatty()):
         return OtherCode.REMAKE
     try:
         answer = console.input("  Make them anew? \\[Y/n] ")
