@@ -17,7 +17,7 @@ from prime_core.registry.loading import Plugins
 
 from .toy_pack import PACK
 
-ROOT = Path(__file__).parents[3]
+TESTS = Path(__file__).parents[2]
 TOY = """
 name: toy
 environment: {type: toy/point-mass}
@@ -94,10 +94,10 @@ def prime_command(tmp_path: Path) -> Callable[..., "subprocess.Popen[str]"]:
     info = installed / "prime_toy-0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: prime-toy\nVersion: 0\n")
-    entry = "tests.core.experiments.toy_pack:PACK"
+    entry = "core.experiments.toy_pack:PACK"
     (info / "entry_points.txt").write_text(f"[prime]\ntoy = {entry}\n")
     (tmp_path / "toy.yaml").write_text(TOY)
-    paths = os.pathsep.join((str(installed), str(ROOT)))
+    paths = os.pathsep.join((str(installed), str(TESTS)))
     prime = [sys.executable, "-c", "from prime_core.cli import main; main()"]
 
     def start(*arguments: str) -> "subprocess.Popen[str]":

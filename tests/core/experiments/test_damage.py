@@ -103,7 +103,7 @@ def test_what_was_damaged_is_made_anew(
         assert told in text
     assert figures(folder) == before
     prime_run()  # and all is well
-    assert "damaged" not in capsys.readouterr().out
+    assert "were damaged" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("damage", [cut, flip, empty, spoil, Path.unlink])
