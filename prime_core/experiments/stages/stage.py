@@ -22,7 +22,13 @@ from pydantic import BaseModel, ConfigDict, PrivateAttr
 from prime_core.errors import DamagedError, PrimeError
 from prime_core.experiments.run_folder.cache import StageInfra, kept_items
 from prime_core.experiments.run_folder.code import Code, code_of
-from prime_core.experiments.run_folder.code_mark import keep_for, new_mark, read_mark, write_mark
+from prime_core.experiments.run_folder.code_mark import (
+    CodeMark,
+    keep_for,
+    new_mark,
+    read_mark,
+    write_mark,
+)
 from prime_core.experiments.run_folder.contents import content_of
 from prime_core.experiments.run_folder.parent import stop_without_parent
 from prime_core.experiments.run_folder.seal import SEAL, TIMING, damage_of, remove, sealed
@@ -91,7 +97,7 @@ class Stage(BaseModel):
             }
 
     def _begun(self, items: Sequence[str]) -> Iterator[Result]:
-        self.begin()
+        self._check_code()
         yield from self.process(items)
 
     def _check_content(self) -> None:
@@ -202,7 +208,7 @@ class Stage(BaseModel):
         keep_for(self.folder, mark, self.code_now())
 
     def begin(self) -> None:
-        """Mark the stage as made by the code that runs.
+        """Mark the stage as made by the code that runs, unless something is there already.
 
         Raises:
             PrimeError: If other code began it, and nobody said that this is right.
@@ -215,11 +221,22 @@ class Stage(BaseModel):
         elif mark is None:
             self.keep()  # an earlier version of prime began it
         else:
-            raise PrimeError(
-                f"stage {self.title!r} was begun by other code "
-                f"({', '.join(mark.difference(now))}): run again with --keep to go on with it, or "
-                "with --remake to make it anew"
-            )
+            raise self._begun_otherwise(mark)
+
+    def _check_code(self) -> None:
+        """Make sure that this process, which may be a worker, has the code that began the stage."""
+        mark = read_mark(self.folder)
+        if mark is None:
+            self.begin()
+        elif not mark.fits(self.code_now()):
+            raise self._begun_otherwise(mark)
+
+    def _begun_otherwise(self, mark: CodeMark) -> PrimeError:
+        return PrimeError(
+            f"stage {self.title!r} was begun by other code than there is now "
+            f"({', '.join(mark.difference(self.code_now()))}): run again with --keep to go on with "
+            "it, or with --remake to make it anew"
+        )
 
     def progress_writer(self, item: str) -> Callable[[int, int], None]:
         """Return a function that tells how far an item is."""

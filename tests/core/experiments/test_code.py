@@ -197,8 +197,24 @@ def test_code_is_never_mixed_in_one_stage(toy: Make) -> None:
     job = toy()
     job.collection.compute(["0"])
     other_code(job.collection, RISE)
-    with pytest.raises(PrimeError, match=rf"'collection' was begun by other code \({RISE}\)"):
+    with pytest.raises(
+        PrimeError, match=rf"'collection' was begun by other code than there is now \({RISE}\)"
+    ):
         toy().collection.compute(["1"])
+
+
+def test_code_that_is_edited_while_a_run_goes_on_stops_it(
+    prime_run: Run, toy: Make, tmp_path: Path
+) -> None:
+    job = toy(folder=tmp_path / "toy")
+    job.collection.folder.mkdir(parents=True)
+    job.collection.begin()
+    other_code(job.collection, RISE)  # as a worker meets it that has other code than the run
+    with pytest.raises(PrimeError, match="was begun by other code than there is now"):
+        job.collection.results()
+    prime_run(until="collection")  # nothing was made: the next run takes it
+    assert toy(folder=tmp_path / "toy").collection.code == ""
+    assert not toy(folder=tmp_path / "toy").collection.missing()
 
 
 def test_a_stage_of_an_earlier_prime_is_taken_as_it_is(toy: Make) -> None:
