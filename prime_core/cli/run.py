@@ -29,6 +29,7 @@ def run(
     from prime_core.experiments.results.links import link_outputs
     from prime_core.experiments.results.table import summary_table
     from prime_core.experiments.run_folder.lock import alone_in
+    from prime_core.experiments.run_folder.place import place_told
     from prime_core.experiments.running import run_experiment
 
     if keep and remake:
@@ -42,7 +43,7 @@ def run(
     def say(text: str) -> None:
         console.print(f"[yellow]![/] {text}", highlight=False, soft_wrap=True)
 
-    with alone_in(folder, say):
+    with place_told(folder), alone_in(folder, say):
         word = OtherCode.KEEP if keep else OtherCode.REMAKE if remake else OtherCode.ASK
         job = open_experiment(config, folder, console, word)
         run_experiment(job, console, until)

@@ -56,7 +56,7 @@ def mend(folder: Path) -> None:
     for path in folder.glob(_INFO):
         lines = _lines(path)
         whole = [line for line in lines if line.isspace() or _parsed(line)]
-        if len(whole) < len(lines) and not _is_being_written(path):
+        if len(whole) < len(lines) and not _may_grow(path, only_end=whole == lines[:-1]):
             with new_file(path) as aside:
                 aside.write_bytes(b"".join(whole))
     _mend_claims(folder)
@@ -77,10 +77,17 @@ def _parsed(line: bytes) -> dict[str, Any] | None:
     return found if isinstance(found, dict) and "#key" in found else None
 
 
-def _is_being_written(path: Path) -> bool:
-    """Whether the thread that a file is named after lives: HOST-THREAD-info.jsonl."""
-    host, thread = path.name.removesuffix("-info.jsonl").rsplit("-", 1)
-    return host == socket.gethostname() and _is_worker(int(thread), path.parent)
+def _may_grow(path: Path, *, only_end: bool) -> bool:
+    """Whether the thread that a file is named after may live: HOST-THREAD-info.jsonl.
+
+    Args:
+        path: The file.
+        only_end: Whether nothing but its last line is broken: elsewhere somebody may write it now.
+    """
+    host, _, thread = path.name.removesuffix("-info.jsonl").rpartition("-")
+    if host != socket.gethostname():
+        return only_end
+    return thread.isdigit() and _is_worker(int(thread), path.parent)
 
 
 def _is_worker(process: int, folder: Path) -> bool:
@@ -95,7 +102,8 @@ def _is_worker(process: int, folder: Path) -> bool:
 def _mend_claims(folder: Path) -> None:
     """Drop claims on items by processes that have gone, and a file of claims that is broken.
 
-    exca would wait for a process of the same number for ever.
+    exca would wait for another process of the same number for ever, and ten minutes for one of
+    another host; but the run that it worked for has gone, and its workers with it.
     """
     path = folder / InflightRegistry._DB_NAME
     if not path.exists():
@@ -103,14 +111,16 @@ def _mend_claims(folder: Path) -> None:
     try:
         with contextlib.closing(sqlite3.connect(path)) as claims:
             claims.execute("SELECT COUNT(*) FROM inflight").fetchone()
-    except sqlite3.Error:
+    except sqlite3.OperationalError:
+        return  # somebody writes it now, or it is empty
+    except sqlite3.DatabaseError:
         path.unlink()
         return
     with InflightRegistry(folder) as registry:
         for item, worker in registry.get().items():
             living = worker.liveness
-            if not isinstance(living, Pid) or living.host != socket.gethostname():
-                continue
-            if not _is_worker(living.pid, folder):
+            if not isinstance(living, Pid):
+                continue  # Slurm knows of its jobs
+            if living.host != socket.gethostname() or not _is_worker(living.pid, folder):
                 with InflightRegistry(folder, worker=worker) as gone:
                     gone.release([item])

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from prime_core.errors import PrimeError
@@ -49,14 +50,32 @@ def place_error(error: BaseException | str, folder: Path) -> PlaceError | None:
     """
     if isinstance(error, OSError) and error.errno in _OF_THE_PLACE:
         # Of a rename the second name is the one that was asked for.
-        name = error.filename2 or error.filename or folder
-        return PlaceError(os.fsdecode(name), os.strerror(error.errno))
+        name = Path(os.fsdecode(error.filename2 or error.filename or folder))
+        # Hidden files are our own: what is written aside, locks.
+        place = name.parent if name.name.startswith(".") else name
+        return PlaceError(place, os.strerror(error.errno))
     # Libraries that are not written in Python have errors of their own, and the same numbers.
     for found in reversed(list(_NUMBER.finditer(str(error)))):
         number = int(found["errno"] or found["other"])
         if number in _OF_THE_PLACE:
             return PlaceError(found["name"] or folder, os.strerror(number))
     return None
+
+
+@contextlib.contextmanager
+def place_told(folder: Path) -> Iterator[None]:
+    """Turn errors of the place where files lie into what a user can mend.
+
+    Args:
+        folder: Where the files are, if an error does not say.
+
+    Raises:
+        PlaceError: Instead of an ``OSError`` of that kind.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise place_error(error, folder) or error from None
 
 
 def probed(folder: Path) -> PlaceError | None:
