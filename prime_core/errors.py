@@ -52,3 +52,7 @@ class DatasetError(PrimeError):
 
 class DemonstrationError(DatasetError):
     """One demonstration cannot be used; others of the same source may be."""
+
+
+class DamagedError(PrimeError):
+    """A file that prime wrote is no longer what it wrote."""

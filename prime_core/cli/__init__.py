@@ -4,6 +4,7 @@ Commands import what they need when they are called, so that ``prime --help`` an
 """
 
 import sys
+from pathlib import Path
 
 import typer
 
@@ -14,6 +15,7 @@ from prime_core.cli.run import run
 from prime_core.cli.show import show
 from prime_core.cli.validate import validate
 from prime_core.errors import PrimeError
+from prime_core.experiments.run_folder.place import place_error
 
 INTERRUPTED = 130
 
@@ -43,6 +45,12 @@ def main() -> None:
         build_app()()
     except PrimeError as error:
         print(f"prime: {error}", file=sys.stderr)
+        sys.exit(1)
+    except OSError as error:
+        told = place_error(error, Path())
+        if told is None:
+            raise
+        print(f"prime: {told}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         print("prime: interrupted; what is finished is kept", file=sys.stderr)

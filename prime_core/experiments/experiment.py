@@ -1,6 +1,9 @@
 """Wires the stages of an experiment."""
 
+import hashlib
+import json
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +11,10 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig
 from prime_core.errors import ConfigurationError
 from prime_core.execution.settings import EvaluationConfig
+from prime_core.experiments.run_folder.code import Code, digest_of
+from prime_core.experiments.run_folder.code_mark import CodeMark, marks_beside
+from prime_core.experiments.run_folder.contents import content_of
+from prime_core.experiments.run_folder.settings_of import settings_in
 from prime_core.experiments.settings import ExperimentConfig
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import Demonstrations
@@ -29,90 +36,101 @@ _LONG = 60 * 24 * 14
 class Experiment:
     """The stages of an experiment, in the order they run in.
 
+    Args:
+        config: The experiment.
+        folder: Where it keeps everything; it need not be there.
+        remake: Whether stages that other code made are others, to be made anew.
+
     Attributes:
         config: The experiment.
         folder: Where it keeps everything.
         variants: The experiments that its variants are, by name, in the same folder.
     """
 
-    def __init__(self, config: ExperimentConfig, folder: Path) -> None:
+    def __init__(self, config: ExperimentConfig, folder: Path, *, remake: bool = False) -> None:
         self.config = config
         self.folder = folder.resolve()
-        infra = self._infra()
+        self._remake = remake
         environment = dump_choice(config.environment)
-        self.demonstrations = Demonstrations(
+        self.demonstrations = self._stage(
+            Demonstrations,
             environment=environment,
             demonstrator=dump_choice(config.demonstrations),
             seed=config.seed,
-            infra=infra,
         )
-        self.collection = Collection(
+        self.collection = self._stage(
+            Collection,
             environments=tuple(map(dump_choice, config.collection.environments)) or (environment,),
             primitives=tuple(map(dump_choice, config.primitives)),
             settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
-            infra=infra,
         )
-        self.idm = IdmTraining(
+        self.idm = self._stage(
+            IdmTraining,
             collection=self.collection,
             pairs=config.pairs.model_dump(mode="json"),
             idm=dump_choice(config.idm),
             seed=config.seed,
             device=config.compute.device,
-            infra=infra,
         )
-        self.parsing = Parsing(
+        self.parsing = self._stage(
+            Parsing,
             demonstrations=self.demonstrations,
             idm=self.idm,
             parser=dump_choice(config.parser),
-            infra=infra,
         )
-        self.replay = Replaying(parsing=self.parsing, infra=infra)
-        self.export = Export(parsing=self.parsing, infra=infra)
+        self.replay = self._stage(Replaying, parsing=self.parsing)
+        self.export = self._stage(Export, parsing=self.parsing)
         self.evaluations: dict[str, Evaluation] = {}
         self.videos: dict[str, Video] = {}
         for name, policy in config.policies.items():
-            training = self._training(policy, infra)
-            self.evaluations[name] = Evaluation(
+            training = self._training(policy)
+            self.evaluations[name] = self._stage(
+                Evaluation,
                 training=training,
                 settings=_evaluation_settings(config.evaluation, policy),
-                infra=infra,
             )
-            self.videos[name] = Video(
+            self.videos[name] = self._stage(
+                Video,
                 training=training,
                 runner=config.evaluation.runner.model_dump(mode="json"),
                 maximum_steps=config.evaluation.maximum_steps,
-                infra=infra,
             )
         self.variants = {
-            name: Experiment(variant, folder) for name, variant in config.resolved_variants.items()
+            name: Experiment(variant, folder, remake=remake)
+            for name, variant in config.resolved_variants.items()
         }
 
-    def _training(
-        self, policy: PolicyConfig, infra: dict[str, Any]
-    ) -> PrimitivePolicyTraining | MotorPolicyTraining:
+    def _training(self, policy: PolicyConfig) -> PrimitivePolicyTraining | MotorPolicyTraining:
         """Return the stage that trains a policy of either kind."""
         config = self.config
         common: dict[str, Any] = {
             "policy": dump_choice(policy),
             "seeds": config.seeds,
             "device": config.compute.device,
-            "infra": infra,
         }
         if isinstance(policy, MotorPolicyConfig):
-            return MotorPolicyTraining(demonstrations=self.demonstrations, **common)
-        return PrimitivePolicyTraining(
+            return self._stage(MotorPolicyTraining, demonstrations=self.demonstrations, **common)
+        return self._stage(
+            PrimitivePolicyTraining,
             parsing=self.parsing,
             augmentation=config.augmentation.model_dump(mode="json"),
             **common,
         )
 
+    def _stage[AnyStage: Stage](self, kind: type[AnyStage], **fields: Any) -> AnyStage:
+        """Return a stage, as the code of now made it, or else as other code made it last."""
+        content = content_of(settings_in(fields))
+        make = partial(kind, content=content, infra=self._infra(), **fields)
+        stage = make()
+        marks = marks_beside(stage.folder, stage.family)
+        version = _version(marks, stage.code_now(), remake=self._remake)
+        return make(code=version) if version else stage
+
     def _infra(self) -> dict[str, Any]:
         compute = self.config.compute
-        cache = self.folder / "stages"
-        cache.mkdir(parents=True, exist_ok=True)
         infra: dict[str, Any] = {
-            "folder": cache,
+            "folder": self.folder / "stages",
             "cluster": compute.cluster if compute.workers else None,
             "max_jobs": compute.workers or None,
             "keep_in_ram": False,
@@ -130,6 +148,12 @@ class Experiment:
                 "slurm_setup": list(compute.setup) or None,
             }
         return infra
+
+    @property
+    def identity(self) -> str:
+        """What all results depend on, as a digest: settings, code and content of files."""
+        uids = {name: stage.infra.uid() for name, stage in self.stages.items()}
+        return hashlib.sha256(json.dumps(uids, sort_keys=True).encode()).hexdigest()[:16]
 
     @property
     def stages(self) -> dict[str, Stage]:
@@ -192,6 +216,23 @@ class Experiment:
                 f"--until {last}: there is no such stage. There are: {', '.join(stages)}"
             )
         return dict(_through(stages.items(), last))
+
+
+def _version(marks: list[CodeMark], now: Code, *, remake: bool) -> str:
+    """Return the version of a stage to take.
+
+    Args:
+        marks: Of the versions that there are, the newest first.
+        now: The code that would make the stage.
+        remake: Whether it is to be made by this code.
+    """
+    for mark in marks:
+        if mark.made_by == now:
+            return mark.version
+    if remake and marks:
+        return digest_of(now)
+    kept = [mark.version for mark in marks if mark.is_kept_for(now)]
+    return next(iter([*kept, *(mark.version for mark in marks)]), "")
 
 
 def _evaluation_settings(config: EvaluationConfig, policy: PolicyConfig) -> ConfigDump:

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import yaml
-
 from prime_core.contracts.demonstration import (
     Demonstration,
     DemonstratorConfig,
@@ -13,7 +11,8 @@ from prime_core.contracts.demonstration import (
 from prime_core.datasets.read import write_dataset
 from prime_core.errors import ConfigurationError, DatasetError, DemonstrationError
 from prime_core.experiments.experiment import Experiment
-from prime_core.experiments.reading import validate_experiment
+from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.run_folder.outputs import check_resolved
 from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
@@ -28,6 +27,7 @@ def open_run(folder: Path) -> Experiment:
 
     Raises:
         ConfigurationError: If it is not the folder of a run.
+        DamagedError: If what tells its settings is not what was written.
     """
     path = folder / "experiment.yaml"
     if not path.is_file():
@@ -35,8 +35,8 @@ def open_run(folder: Path) -> Experiment:
             f"{folder}: there is no experiment.yaml in it: name the folder of a run, such as "
             "runs/lift-quick"
         )
-    data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    return Experiment(validate_experiment(data, str(path)), folder)
+    check_resolved(folder)
+    return Experiment(read_experiment(path), folder)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,28 +5,40 @@ import os
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-import submitit
 from rich.console import Console
+from submitit.core.utils import FailedJobError, UncompletedJobError
 
 from prime_core.errors import PrimeError
 from prime_core.experiments.compatibility import check_environments
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.progress_bar import _progress
 from prime_core.experiments.reading import dump_experiment
+from prime_core.experiments.run_folder.cache import mend
+from prime_core.experiments.run_folder.outputs import (
+    changed_keys,
+    is_of_others,
+    read_owner,
+    set_aside,
+    write_resolved,
+)
+from prime_core.experiments.run_folder.parent import PARENT_VARIABLE
+from prime_core.experiments.run_folder.place import PlaceError, place_error, probed
 from prime_core.experiments.slurm import jobs_watched_in_queue
 from prime_core.experiments.stages.demonstrations import Demonstrations, check_left_out
-from prime_core.experiments.stages.stage import PARENT_VARIABLE, Stage
-from prime_core.files import new_file
+from prime_core.experiments.stages.stage import Stage
+
+_SHOWN = 4
+"""Keys that are shown of those in which settings differ."""
 
 
 def run_experiment(experiment: Experiment, console: Console, until: str | None = None) -> None:
     """Run all stages that are not done.
 
     Args:
-        experiment: What to run.
+        experiment: What to run. No other run may be at work in its folder.
         console: Where progress is shown.
         until: The last stage to run, or None for all.
 
@@ -35,8 +47,13 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
     """
     stages = experiment.until(until)
     check_environments(experiment)
-    write_resolved(experiment)
+    take_folder(experiment, console)
     for name, stage in stages.items():
+        mend(stage.folder)
+        damaged = stage.drop_damaged()
+        if damaged:
+            text = f"{len(damaged)} {stage.unit} of {name} were damaged, and are made anew"
+            console.print(f"[yellow]![/] {text}", highlight=False, soft_wrap=True)
         total, missing = len(stage.items()), len(stage.missing())
         if not missing:
             console.print(f"[green]✓[/] {name} [dim]was done before[/]")
@@ -46,7 +63,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
             with _ready_for_workers(stage), _progress(console, name, stage, total):
                 run_stage(stage)
         except PrimeError as error:
-            if not stage.optional:
+            if not stage.optional or isinstance(error, PlaceError):
                 raise
             console.print(f"[yellow]-[/] {name} left out: {error}", highlight=False)
             continue
@@ -64,12 +81,21 @@ def _tell_left_out(console: Console, stage: Stage, strict: bool) -> None:
             console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
-def write_resolved(experiment: Experiment) -> Path:
-    """Write the experiment with all defaults beside what it makes."""
-    path = experiment.folder / "experiment.yaml"
-    with new_file(path) as aside:
-        aside.write_text(dump_experiment(experiment.config), encoding="utf-8")
-    return path
+def take_folder(experiment: Experiment, console: Console) -> None:
+    """Make a folder that of this experiment: set aside what others left in it, and say so."""
+    folder, identity = experiment.folder, experiment.identity
+    text = dump_experiment(experiment.config)
+    if is_of_others(folder, text, identity):
+        owner = read_owner(folder)
+        keys = changed_keys(owner.text, text) if owner and not owner.damaged else []
+        what = f"settings ({', '.join(keys[:_SHOWN])})" if keys else "data, code or settings"
+        place = os.path.relpath(set_aside(folder), folder)
+        console.print(
+            f"[yellow]![/] {folder} held results of other {what}: they are in {place} now",
+            highlight=False,
+            soft_wrap=True,
+        )
+    write_resolved(folder, text, identity)
 
 
 def run_stage(stage: Stage) -> None:
@@ -85,17 +111,43 @@ def run_stage(stage: Stage) -> None:
         )
     start = time.perf_counter()
     try:
+        stage.folder.mkdir(parents=True, exist_ok=True)
+        stage.error_file.unlink(missing_ok=True)
+        stage.begin()
         stage.compute(stage.missing())
-    except (submitit.core.utils.FailedJobError, submitit.core.utils.UncompletedJobError) as error:
-        if stage.error_file.exists():
-            raise PrimeError(stage.error_file.read_text()) from None
-        raise PrimeError(
-            f"a worker of stage {stage.title!r} stopped: {str(error).strip()[-2000:]}\n"
-            f"Its logs are under {stage.folder / 'logs'}"
-        ) from None
+    except PrimeError:
+        raise
+    except Exception as error:
+        raise _told(stage, error) or error from None
     finally:
         seconds = wall_seconds(stage) + time.perf_counter() - start
-        (stage.folder / "wall_seconds.txt").write_text(f"{seconds}")
+        with suppress(OSError):
+            (stage.folder / "wall_seconds.txt").write_text(f"{seconds}")
+
+
+def _told(stage: Stage, error: Exception) -> PrimeError | None:
+    """Return an error as one that the user can mend, or None if it is none."""
+    of_worker = isinstance(error, FailedJobError | UncompletedJobError)
+    if of_worker and (text := _text_of(stage.error_file)):
+        return PrimeError(text)
+    place = place_error(error, stage.folder) or (probed(stage.folder) if of_worker else None)
+    if place is not None or not of_worker:
+        return place
+    logs = f"Its logs are under {stage.folder / 'logs'}"
+    if isinstance(error, UncompletedJobError):
+        return PrimeError(
+            f"a worker of stage {stage.title!r} stopped: something ended it, such as a kill or "
+            f"want of memory. What it had finished is kept: run again. {logs}"
+        )
+    last = str(error).strip().splitlines()[-1]
+    return PrimeError(f"a worker of stage {stage.title!r} stopped: {last.strip()}. {logs}")
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text().strip()
+    except OSError:
+        return ""
 
 
 def wall_seconds(stage: Stage) -> float:
@@ -117,7 +169,7 @@ def _ready_for_workers(stage: Stage) -> Iterator[None]:
     os.environ.update(settings)
     logger = logging.getLogger("exca")
     level = logger.level
-    logger.setLevel(logging.WARNING)
+    logger.setLevel(logging.ERROR)  # its warnings hold tracebacks
     try:
         with jobs_watched_in_queue():
             yield

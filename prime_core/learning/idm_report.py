@@ -10,6 +10,7 @@ from prime_core.contracts.calls import OTHER, ParameterSpace
 from prime_core.contracts.idm import InverseDynamicsModel
 from prime_core.contracts.observations import Observations
 from prime_core.contracts.training import CallData
+from prime_core.errors import PrimeError
 
 POSE_NAMES = ("x", "y", "z", "yaw")
 """Parameters that are a gripper pose, by the names that primitives give them."""
@@ -26,10 +27,15 @@ def report_on(idm: InverseDynamicsModel, held_out: CallData) -> dict[str, Any]:
         Accuracy per class, balanced accuracy, the confusion matrix (rows: truth), and per
         primitive the median parameter errors of the IDM and of the baseline that takes the
         gripper's pose at s' for the parameters.
+
+    Raises:
+        PrimeError: If the model gives what is no number: it has learnt nothing.
     """
     features = idm.encode(held_out.observations.only(idm.sees))
     names = (*idm.space.names, OTHER)
-    guesses = idm.score(features, held_out.types.rows).argmax(axis=1)
+    scores = idm.score(features, held_out.types.rows)
+    _check(scores)
+    guesses = scores.argmax(axis=1)
     confusion = np.zeros((len(names), len(names)), dtype=np.int64)
     np.add.at(confusion, (held_out.types.classes, guesses), 1)
     totals = confusion.sum(axis=1)
@@ -63,12 +69,21 @@ def _parameter_errors(
     truth = data.values[rows, : len(space)]
     pairs = data.parameters.rows[rows]
     guess, _ = idm.parameters(features, pairs, data.parameters.classes[rows])
+    _check(guess[:, : len(space)])
     baseline = gripper_as_parameters(space, data.observations[pairs[:, 1]], truth)
     return {
         "rollouts": int(rows.sum()),
         "idm": median_errors(space, guess[:, : len(space)], truth),
         "baseline": median_errors(space, baseline, truth),
     }
+
+
+def _check(values: NDArray[Any]) -> None:
+    if np.isnan(values).any():
+        raise PrimeError(
+            "the trained IDM gives values that are not numbers: its training diverged, so that "
+            "nothing is kept of it; lower its learning rate"
+        )
 
 
 def gripper_as_parameters(space: ParameterSpace, seen: Observations, fill: Floats) -> Floats:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import torch
 import yaml
+from safetensors.torch import save_file
 from torch import nn
 
 from prime_core.contracts.description import ObjectDescription, SceneDescription
@@ -95,6 +96,22 @@ def test_weights_and_notes_are_read_as_written(tmp_path: Path) -> None:
     assert torch.equal(tensors["x"], torch.arange(6.0).reshape(2, 3).T)
     assert notes == {"identity": "z"}
     assert [item.name for item in tmp_path.iterdir()] == ["a.safetensors"]
+
+
+def test_weights_that_were_damaged_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.safetensors"
+    write_tensors(path, {"x": torch.arange(6.0), "step": torch.tensor(3)}, {"identity": "z"})
+    data = bytearray(path.read_bytes())
+    data[-3] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(WeightsError, match=rf"is damaged: remove {tmp_path} to train anew"):
+        read_tensors(path)
+
+
+def test_weights_of_an_earlier_prime_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.safetensors"
+    save_file({"x": torch.arange(6.0)}, path, {"identity": "z"})
+    assert read_tensors(path)[1] == {"identity": "z"}
 
 
 def test_missing_weights_are_refused(tmp_path: Path) -> None:

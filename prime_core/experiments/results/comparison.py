@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from prime_core.errors import PrimeError
+from prime_core.experiments.results.checksum import CHECKSUM, is_whole
 from prime_core.experiments.results.figures import figures_of
 
 NOTHING = "-"
@@ -27,6 +28,11 @@ def read_results(path: Path) -> dict[str, Any]:
         raise PrimeError(f"{file}: there is no such file: prime run leaves one") from None
     except (OSError, ValueError) as error:
         raise PrimeError(f"{file}: cannot be read as JSON: {error}") from None
+    if isinstance(found, dict) and not is_whole(found):
+        raise PrimeError(
+            f"{file}: is damaged, or was edited: 'prime run' writes it anew. If you edited it, "
+            f"remove the key {CHECKSUM!r}"
+        )
     if not isinstance(found, dict) or not {"name", "results"} <= set(found):
         raise PrimeError(f"{file}: a results file has the keys 'name' and 'results'")
     try:

@@ -5,20 +5,28 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.other_code import other_code_in
+from prime_core.experiments.results.checksum import with_checksum
+from prime_core.experiments.results.comparison import read_results
 from prime_core.experiments.results.provenance import _commit, versions
 from prime_core.experiments.results.summaries import summarise
+from prime_core.experiments.run_folder.seal import TIMING
 from prime_core.experiments.running import wall_seconds
 from prime_core.experiments.stages.evaluation import Evaluation
-from prime_core.experiments.stages.stage import TIMING, Stage
+from prime_core.experiments.stages.stage import Stage
 from prime_core.files import new_file
+
+_OF_STAGES = ("results", "variants", "timing", "other_code")
+"""Keys of the results that change only where a stage was done."""
 
 
 def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, Any]:
     """Write ``results.json`` and, for each evaluated policy, ``trials-NAME.json``.
 
     Of a variant's policies it is ``trials-VARIANT.NAME.json``; no policy's name holds a dot. Files
-    whose content would be the same are left alone.
+    whose content would be the same are left alone; one that is damaged is written anew.
 
     Args:
         experiment: Whose stages may be done or not.
@@ -44,14 +52,23 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
             for name, variant in experiment.variants.items()
         },
         "timing": {name: _timing(stage) for name, stage in done.items()},
+        "other_code": other_code_in(experiment),
     }
     path = experiment.folder / "results.json"
-    if path.exists():
-        before = json.loads(path.read_text(encoding="utf-8"))
-        if all(before.get(key, {}) == results[key] for key in ("results", "variants", "timing")):
-            return dict(before)  # nothing was done: the command that did it stays
+    before = _whole(path)
+    if before and all(before.get(key, {}) == results[key] for key in _OF_STAGES):
+        return before  # nothing was done: the command that did it stays
+    results = with_checksum(results)
     write_if_changed(path, json.dumps(results, indent=1))
     return results
+
+
+def _whole(path: Path) -> dict[str, Any]:
+    """Return the results that are there, or nothing if they are damaged or none."""
+    try:
+        return read_results(path)
+    except PrimeError:
+        return {}
 
 
 def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> dict[str, Any]:
@@ -86,7 +103,7 @@ def _timing(stage: Stage) -> dict[str, Any]:
 
 def write_if_changed(path: Path, text: str) -> None:
     """Write a file, aside first, unless it holds the text already."""
-    if path.exists() and path.read_text(encoding="utf-8") == text:
+    if path.exists() and path.read_bytes() == text.encode():
         return
     with new_file(path) as aside:
         aside.write_text(text, encoding="utf-8")

@@ -28,6 +28,8 @@ def link_outputs(experiment: Experiment) -> list[Path]:
 
 def _link(link: Path, target: Path) -> Path:
     relative = os.path.relpath(target, link.parent)
+    if link.exists() and not link.is_symlink():
+        return link  # a copy of a run's folder may hold the things themselves
     if not (link.is_symlink() and os.readlink(link) == relative):
         aside = link.with_name(link.name + ".tmp")
         aside.unlink(missing_ok=True)

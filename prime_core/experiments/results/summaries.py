@@ -9,13 +9,14 @@ import numpy as np
 
 from prime_core.contracts.demonstration import ParsedDemonstration
 from prime_core.experiments.results.rates import mean_of_best, wilson_interval
+from prime_core.experiments.run_folder.seal import BESIDE
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.idm import IdmTraining
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.replay import Replaying
-from prime_core.experiments.stages.stage import TIMING, Result, Stage
+from prime_core.experiments.stages.stage import Result, Stage
 
 Summary = dict[str, Any]
 
@@ -60,7 +61,7 @@ def _(stage: Collection) -> Summary:
 @summarise.register
 def _(stage: IdmTraining) -> Summary:
     """Return the held-out accuracy and errors."""
-    return {name: value for name, value in stage.results()[0].items() if name != TIMING}
+    return {name: value for name, value in stage.results()[0].items() if name not in BESIDE}
 
 
 @summarise.register

@@ -5,6 +5,7 @@ from typing import Any
 from rich.table import Table
 
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.other_code import describe, other_code_in
 from prime_core.experiments.results.figures import figures_of
 
 
@@ -28,9 +29,13 @@ def stage_table(experiment: Experiment) -> Table:
     table.add_column("stage")
     table.add_column("done", justify="right")
     table.add_column("where", overflow="fold")
+    other = other_code_in(experiment)
+    if other:
+        table.add_column("made by other code", overflow="fold")
     for name, stage in experiment.stages.items():
         total, missing = len(stage.items()), len(stage.missing())
         mark = "[green]✓[/] " if not missing else ""
         where = stage.folder.relative_to(experiment.folder)
-        table.add_row(name, f"{mark}{total - missing}/{total} {stage.unit}", str(where))
+        cells = [name, f"{mark}{total - missing}/{total} {stage.unit}", str(where)]
+        table.add_row(*cells, describe(other.get(name, [])))
     return table

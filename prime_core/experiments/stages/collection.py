@@ -77,7 +77,7 @@ class Collection(Stage):
             numbers = config.shard_episodes(int(item))
             if numbers.stop <= start or numbers.start >= end:
                 continue
-            (shard,) = self.compute([item])
+            (shard,) = self.results([item])
             for number, episode in zip(numbers, shard["episodes"], strict=True):
                 if start <= number < end:
                     yield _restored(episode, shard["width"])

@@ -1,6 +1,7 @@
 """The stage that writes parsed demonstrations for people and other tools."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import ClassVar
 
 from prime_core.datasets.read import write_dataset
@@ -22,6 +23,10 @@ class Export(Stage):
     def items(self) -> list[str]:
         """Return the outputs."""
         return ["dataset", "timelines"]
+
+    def outputs(self, item: str) -> list[Path]:
+        """Return the folder of an output."""
+        return [self.folder / item]
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Write outputs."""

@@ -1,6 +1,7 @@
 """The stage that trains the inverse dynamics model."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import ClassVar
 
 from prime_core.collection.rollouts import RolloutTable
@@ -39,6 +40,10 @@ class IdmTraining(Stage):
     def items(self) -> list[str]:
         """Return the one item."""
         return ["model"]
+
+    def outputs(self, item: str) -> list[Path]:
+        """Return where the model is kept."""
+        return [self.folder / item]
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train the model and test it on held-out rollouts."""

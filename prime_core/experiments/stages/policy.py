@@ -46,9 +46,13 @@ class PolicyTraining(Stage):
         """Return the seeds."""
         return [str(seed) for seed in self.seeds]
 
+    def outputs(self, item: str) -> list[Path]:
+        """Return where a seed's training keeps its checkpoints."""
+        return [self.folder / f"seed-{item}"]
+
     def checkpoints(self, seed: str) -> list[Path]:
         """Return the checkpoints of a seed, oldest first."""
-        (result,) = self.compute([seed])
+        (result,) = self.results([seed])
         return [self.folder / name for name in result["checkpoints"]]
 
     def training_context(self, model: ModelContext, item: str) -> TrainingContext:

@@ -1,6 +1,7 @@
 """The stage that films an episode of a policy."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -34,6 +35,10 @@ class Video(Stage):
     def items(self) -> list[str]:
         """Return the one item."""
         return ["episode"]
+
+    def outputs(self, item: str) -> list[Path]:
+        """Return the video."""
+        return [self.folder / f"{item}.mp4"]
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Film an episode."""

@@ -1,11 +1,15 @@
 """Experiments on the toy pack."""
 
-from collections.abc import Callable
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import yaml
 
+from prime_core.cli.run import run
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import apply_setting, validate_experiment
 from prime_core.registry import builtin
@@ -13,6 +17,7 @@ from prime_core.registry.loading import Plugins
 
 from .toy_pack import PACK
 
+TESTS = Path(__file__).parents[2]
 TOY = """
 name: toy
 environment: {type: toy/point-mass}
@@ -30,19 +35,79 @@ compute: {workers: 0}
 """
 
 
-@pytest.fixture
-def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Experiment]:
-    """Make the toy experiment, with settings changed, in the test's folder."""
+@pytest.fixture(scope="module")
+def toy_plugins() -> Iterator[None]:
+    """Register the toy pack, and no other, for this process."""
     plugins = Plugins()
     plugins.add("core", lambda: builtin, "prime-core", "0")
     plugins.add("toy", lambda: PACK, "prime-toy", "0")
-    monkeypatch.setattr("prime_core.registry.fields.load_plugins", lambda: plugins)
     assert [item.error for item in plugins.found] == [None, None]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("prime_core.registry.fields.load_plugins", lambda: plugins)
+        yield
 
-    def make(*settings: str) -> Experiment:
+
+@pytest.fixture
+def toy(tmp_path: Path, toy_plugins: None) -> Callable[..., Experiment]:
+    """Make the toy experiment, with settings changed, in the test's folder."""
+
+    def make(*settings: str, folder: Path = tmp_path / "run") -> Experiment:
         data = yaml.safe_load(TOY)
         for setting in settings:
             apply_setting(data, setting)
-        return Experiment(validate_experiment(data, "toy"), tmp_path / "run")
+        return Experiment(validate_experiment(data, "toy"), folder)
 
     return make
+
+
+@pytest.fixture
+def prime_run(tmp_path: Path, toy_plugins: None) -> Callable[..., None]:
+    """Call ``prime run`` on the toy experiment in this process, its folders in ``tmp_path``."""
+    file = tmp_path / "toy.yaml"
+    file.write_text(TOY)
+
+    def call(
+        *settings: str,
+        out: Path = tmp_path,
+        until: str | None = None,
+        keep: bool = False,
+        remake: bool = False,
+    ) -> None:
+        run(file, list(settings), until, out, keep, remake)
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory, toy_plugins: None) -> Path:
+    """Return a folder in which the toy experiment was run; copy it before you change anything."""
+    out = tmp_path_factory.mktemp("finished")
+    (out / "toy.yaml").write_text(TOY)
+    run(out / "toy.yaml", [], None, out)
+    return out / "toy"
+
+
+@pytest.fixture
+def prime_command(tmp_path: Path) -> Callable[..., "subprocess.Popen[str]"]:
+    """Start ``prime`` in a process of its own, where the toy pack is installed."""
+    installed = tmp_path / "installed"
+    info = installed / "prime_toy-0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: prime-toy\nVersion: 0\n")
+    entry = "core.experiments.toy_pack:PACK"
+    (info / "entry_points.txt").write_text(f"[prime]\ntoy = {entry}\n")
+    (tmp_path / "toy.yaml").write_text(TOY)
+    paths = os.pathsep.join((str(installed), str(TESTS)))
+    prime = [sys.executable, "-c", "from prime_core.cli import main; main()"]
+
+    def start(*arguments: str) -> "subprocess.Popen[str]":
+        return subprocess.Popen(
+            [*prime, *arguments],
+            env={**os.environ, "PYTHONPATH": paths},
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    return start

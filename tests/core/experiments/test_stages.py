@@ -3,14 +3,16 @@
 import json
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 from rich.console import Console
 
+from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.results.gathering import write_results
 from prime_core.experiments.running import run_experiment
 
-from .toy_pack import Seen
+from .toy_pack import HeightModel, Seen
 
 Make = Callable[..., Experiment]
 
@@ -136,3 +138,22 @@ def test_policies_of_both_kinds_meet_the_same_first_states(toy: Make) -> None:
     # Both checkpoints of a seed meet the same; other seeds and fresh trials meet other ones.
     assert len(states["motor"]) == 2 * (2 * 3 + 4)
     assert len(set(states["motor"])) == 2 * (3 + 4)
+
+
+@pytest.mark.parametrize("part", ["score", "parameters"])
+def test_a_model_that_gives_no_numbers_is_not_done(
+    toy: Make, monkeypatch: pytest.MonkeyPatch, part: str
+) -> None:
+    whole = getattr(HeightModel, part)
+
+    def spoilt(*arguments: object) -> object:
+        found = whole(*arguments)
+        values = found if part == "score" else found[0]
+        values[0] = np.nan
+        return found
+
+    monkeypatch.setattr(HeightModel, part, spoilt)
+    job = toy()
+    with pytest.raises(PrimeError, match="values that are not numbers: its training diverged"):
+        job.idm.results()
+    assert job.idm.missing() == ["model"]

@@ -93,6 +93,23 @@ class ClimberConfig(DemonstratorConfig):
         )
 
 
+class RecordedConfig(ClimberConfig):
+    """Shows how to rise by steps that stand in files, one a line."""
+
+    path: Path
+
+    def lines(self) -> list[str]:
+        files = sorted(self.path.rglob("*.txt")) if self.path.is_dir() else [self.path]
+        return [line for file in files for line in file.read_text().split()]
+
+    def count_available(self) -> int:
+        return len(self.lines())
+
+    def demonstrate(self, environment: EnvironmentConfig, index: int, seed: int) -> Demonstration:
+        step = float(self.lines()[index])
+        return ClimberConfig(step=step).demonstrate(environment, index, seed)
+
+
 class HeightModel(InverseDynamicsModel):
     """Calls everything that ends higher a rise to there."""
 
@@ -211,6 +228,7 @@ def _primitives(register: Any) -> None:
 @hookimpl
 def _demonstrators(register: Any) -> None:
     register("toy/climber", ClimberConfig)
+    register("toy/recorded", RecordedConfig)
 
 
 @hookimpl
