@@ -2,7 +2,7 @@
 
     python benchmarks/holding.py --episodes 40
 
-In scenes without objects, holding is told from the gripper's last command and its opening. Episodes
+In scenes without objects, holding is told from the gripper's last command and its fingers. Episodes
 of the collection are run in every task; of the frames of their rollouts, and of the frames where
 primitives start, it prints the share in which both say the same.
 """
@@ -66,7 +66,8 @@ def agreement(task: str, episodes: int, seed: int) -> tuple[np.ndarray, np.ndarr
 def told(environment: object, seen: Observations, actions: np.ndarray, row: int) -> bool:
     """Return what the gripper tells in a frame after the first."""
     alone = seen[row : row + 1].only(("proprioception",))
-    return Scene.read(environment.description, alone, float(actions[row - 1, 4])).holding
+    before = float(seen.gripper_opening[row - 1])
+    return Scene.read(environment.description, alone, float(actions[row - 1, 4]), before).holding
 
 
 if __name__ == "__main__":

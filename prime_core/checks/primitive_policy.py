@@ -26,7 +26,7 @@ def fit_primitive_policy(config: PrimitivePolicyConfig, context: TrainingContext
 
 
 def check_calls(policy: PrimitivePolicy, seed: int) -> list[Answer]:
-    """Return the first candidates in some scenes where everything can start, checked.
+    """Return the first candidates, and draws, in some scenes where everything can start, checked.
 
     Raises:
         CheckError: If a candidate is no call of a primitive that can start.
@@ -39,8 +39,8 @@ def check_calls(policy: PrimitivePolicy, seed: int) -> list[Answer]:
             for call in _candidates(policy, scene, alone, np.random.default_rng(seed)):
                 require(
                     call.primitive == name,
-                    f"candidates() yielded {call.primitive!r} where only {name!r} can start: it "
-                    "must choose among the primitives that `startable` allows",
+                    f"candidates() or draw() gave {call.primitive!r} where only {name!r} can "
+                    "start: they must choose among the primitives that `startable` allows",
                 )
     everything = np.ones(len(SPACE.names), dtype=np.bool_)
     generator = np.random.default_rng(seed)
@@ -60,17 +60,19 @@ def _candidates(
         "candidates() yielded nothing: it must yield a call where a primitive can start",
     )
     for call in found:
-        _check_call(call)
-    return found
+        _check_call("candidates()", call)
+    drawn = policy.draw(seen, startable.copy(), generator)
+    _check_call("draw()", drawn)
+    return [*found, drawn]
 
 
-def _check_call(call: PrimitiveCall) -> None:
+def _check_call(source: str, call: PrimitiveCall) -> None:
     require(
         isinstance(call, PrimitiveCall) and call.primitive in SPACE.names,
-        f"candidates() yielded {call!r}: it must yield PrimitiveCalls of {list(SPACE.names)}",
+        f"{source} gave {call!r}: it must give PrimitiveCalls of {list(SPACE.names)}",
     )
     space = SPACE.parameter_spaces[SPACE.names.index(call.primitive)]
-    subject = f"the parameters of candidates() for {call.primitive!r}"
+    subject = f"the parameters of {source} for {call.primitive!r}"
     require_array(call.parameters, (len(space),), np.floating, subject)
     inside = np.all(call.parameters >= space.low - 1e-6)
     inside &= np.all(call.parameters <= space.high + 1e-6)

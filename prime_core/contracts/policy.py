@@ -44,6 +44,18 @@ class PrimitivePolicy(ABC):
             generator: Of all random draws.
         """
 
+    def draw(
+        self,
+        seen: Observations,
+        startable: NDArray[np.bool_],
+        generator: np.random.Generator,
+    ) -> PrimitiveCall:
+        """Return a call drawn from p(call | seen), as the paper makes them; see `candidates`.
+
+        A policy that has no such distribution gives its first candidate.
+        """
+        return next(self.candidates(seen, startable, generator))
+
 
 class MotorPolicy(ABC):
     """Acts step by step, as LeRobot's ``reset`` and ``select_action`` do: numpy, one instant.

@@ -20,6 +20,9 @@ from prime_core.rotations import yaw_of
 EMPTY_OPENING = 0.004
 """Opening up to which closed fingers hold nothing [m]; `benchmarks/holding.py` measures it."""
 
+STILL_FINGERS = 5e-4
+"""Change of the opening from one instant to the next up to which the fingers do not move [m]."""
+
 
 @dataclass(frozen=True, eq=False)
 class ObjectPoses:
@@ -49,6 +52,7 @@ class Scene:
         objects: Where the objects are; None where that is not known.
         gripper_command: The gripper's last command, from -1 (open) to 1 (close); None where none
             was sent yet, or it is not known.
+        fingers_move: Whether the opening is another one than at the instant before.
     """
 
     description: SceneDescription = field(repr=False)
@@ -58,6 +62,7 @@ class Scene:
     joint_positions: Array
     objects: ObjectPoses | None = None
     gripper_command: float | None = None
+    fingers_move: bool = False
 
     @classmethod
     def read(
@@ -65,6 +70,7 @@ class Scene:
         description: SceneDescription,
         seen: Observations,
         gripper_command: float | None = None,
+        opening_before: float | None = None,
     ) -> Self:
         """Read one observation.
 
@@ -72,6 +78,7 @@ class Scene:
             description: Of the environment.
             seen: One instant, ``N = 1``.
             gripper_command: The gripper's last command, where it is known.
+            opening_before: Distance between the fingers at the instant before [m], likewise.
         """
         state = seen.state[0].astype(np.float64)
         objects = None
@@ -82,14 +89,17 @@ class Scene:
                 quaternions=seen.object_quaternions[0].astype(np.float64),
                 held=description.objects[held[0]].name if held.size else None,
             )
+        opening = float(state[7])
+        before = opening if opening_before is None else opening_before
         return cls(
             description=description,
             gripper_position=state[:3],
             gripper_quaternion=state[3:7],
-            gripper_opening=float(state[7]),
+            gripper_opening=opening,
             joint_positions=state[8:],
             objects=objects,
             gripper_command=gripper_command,
+            fingers_move=abs(opening - before) > STILL_FINGERS,
         )
 
     @cached_property
@@ -102,12 +112,12 @@ class Scene:
         """Whether the gripper holds something.
 
         Known of the objects where they are known; else told from the gripper: it was told to
-        close, and its fingers are apart.
+        close, and its fingers are apart and still. On their way they hold nothing yet.
         """
         if self.objects is not None:
             return self.objects.held is not None
         closing = self.gripper_command is not None and self.gripper_command > 0
-        return closing and self.gripper_opening > EMPTY_OPENING
+        return closing and not self.fingers_move and self.gripper_opening > EMPTY_OPENING
 
     @property
     def known_objects(self) -> ObjectPoses:

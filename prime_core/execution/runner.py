@@ -59,11 +59,12 @@ class SceneRunner(MotorPolicy):
         self._run: Run | None = None
         self._steps = 0
         self._last: Action | None = None
+        self._opening: float | None = None
 
     def reset(self, generator: np.random.Generator) -> None:
         """Forget the episode before; see `MotorPolicy`."""
         self.records = []
-        self._run, self._steps, self._last = None, 0, None
+        self._run, self._steps, self._last, self._opening = None, 0, None, None
 
     def act(self, seen: Observations) -> Action | None:
         """Return the next motor action; see `MotorPolicy`.
@@ -72,7 +73,8 @@ class SceneRunner(MotorPolicy):
         within one step.
         """
         command = None if self._last is None else float(self._last[4])
-        scene = Scene.read(self._description, seen.only(self.sees), command)
+        scene = Scene.read(self._description, seen.only(self.sees), command, self._opening)
+        self._opening = scene.gripper_opening
         action = None if self._run is None else self._run.next_action(scene)
         if action is None:
             if self._run is not None:
@@ -146,7 +148,7 @@ class PrimitiveRunner(SceneRunner):
         startable = self._startable(scene)
         if not startable.any():
             return None
-        call = self._choose(scene, self._policy.candidates(seen, startable, self._generator))
+        call = self._choose(scene, self._candidates(seen, startable, self._generator))
         self._history.add(scene, call)
         self._called_from = scene
         return self.start(call, self._primitives[call.primitive], scene)
@@ -168,6 +170,14 @@ class PrimitiveRunner(SceneRunner):
             [name not in self._without_effect for name in self._primitives], dtype=np.bool_
         )
         return effective if effective.any() else startable
+
+    def _candidates(
+        self, seen: Observations, startable: NDArray[np.bool_], generator: np.random.Generator
+    ) -> Iterator[PrimitiveCall]:
+        """Yield what the policy would do, the call to make first."""
+        if not self._config.likeliest_first:
+            yield self._policy.draw(seen, startable, generator)
+        yield from self._policy.candidates(seen, startable, generator)
 
     def _choose(self, scene: Scene, candidates: Iterator[PrimitiveCall]) -> PrimitiveCall:
         """Return the first candidate that is feasible, else the first of all."""

@@ -10,9 +10,11 @@ from prime_core.configuration import Config
 class RunnerConfig(Config):
     """What the runner of primitives adds to the paper; the paper has none of it.
 
-    In YAML ``plain`` stands for all off: the policy's first candidate is made, whatever it is.
+    In YAML ``plain`` stands for all off: the call that the policy draws is made, whatever it is.
     """
 
+    likeliest_first: bool = True
+    """Whether a primitive's likeliest call comes first; else one that is drawn, as in the paper."""
     leave_out_unreachable: bool = True
     """Whether a call that the arm cannot do gives way to the policy's next candidate."""
     turn_unreachable: bool = True
@@ -24,6 +26,7 @@ class RunnerConfig(Config):
 
 
 PLAIN = RunnerConfig(
+    likeliest_first=False,
     leave_out_unreachable=False,
     turn_unreachable=False,
     repeats=None,

@@ -155,11 +155,11 @@ def config_of(policy: type[Fixed]) -> FixedConfig:
 @pytest.mark.parametrize(
     ("policy", "text"),
     [
-        (IgnoresStartable, r"yielded 'nudge' where only 'reach' can start.*`startable` allows"),
-        (YieldsOthersLater, r"yielded 'nudge' where only 'reach' can start"),
+        (IgnoresStartable, r"gave 'nudge' where only 'reach' can start.*`startable` allows"),
+        (YieldsOthersLater, r"gave 'nudge' where only 'reach' can start"),
         (YieldsNothing, r"yielded nothing: it must yield a call where a primitive can start"),
-        (YieldsUnknown, r"must yield PrimitiveCalls of \['reach', 'nudge'\]"),
-        (YieldsNames, r"yielded 'reach': it must yield PrimitiveCalls"),
+        (YieldsUnknown, r"must give PrimitiveCalls of \['reach', 'nudge'\]"),
+        (YieldsNames, r"gave 'reach': it must give PrimitiveCalls"),
         (TooFar, r"for 'reach' are .*in their units, within \["),
         (TooLong, r"for 'reach' is \(5,\).*numpy array \(4,\)"),
         (NotFinite, r"for 'reach' holds \[nan.*must be finite"),

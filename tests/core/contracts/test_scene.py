@@ -7,7 +7,7 @@ import pytest
 
 from prime_core.checks.samples import DESCRIPTION, sample_observations
 from prime_core.contracts.observations import Observations
-from prime_core.contracts.scene import EMPTY_OPENING, ObjectPoses, Scene
+from prime_core.contracts.scene import EMPTY_OPENING, STILL_FINGERS, ObjectPoses, Scene
 from prime_core.errors import PrimeError, UnknownObjectsError
 
 
@@ -37,6 +37,17 @@ def test_without_objects_holding_is_told_from_the_gripper(
     opening: float, command: float | None, holding: bool
 ) -> None:
     assert blind(opening, command).holding is holding
+
+
+@pytest.mark.parametrize(
+    ("change", "holding"), [(0.0, True), (STILL_FINGERS / 2, True), (2 * STILL_FINGERS, False)]
+)
+def test_fingers_on_their_way_hold_nothing_yet(change: float, holding: bool) -> None:
+    alone = seen().only(["proprioception"])
+    state = alone.state.copy()
+    state[:, 7] = 0.04
+    scene = Scene.read(DESCRIPTION, replace(alone, state=state), 1.0, 0.04 + change)
+    assert scene.holding is holding
 
 
 @pytest.mark.parametrize(("held", "holding"), [(None, False), ("cube", True)])

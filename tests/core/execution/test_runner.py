@@ -89,6 +89,16 @@ def test_plain_makes_the_first_candidate_whatever_it_is() -> None:
     assert not idle.success
 
 
+def test_plain_makes_the_call_that_is_drawn_and_the_addition_the_likeliest() -> None:
+    class Draws(Chooses):
+        def draw(self, *_: object) -> PrimitiveCall:
+            return PrimitiveCall("rise", np.array([0.93]))
+
+    policy = Draws(asks([0.95]).choice)
+    for config, value in ((PLAIN, 0.93), (alone(likeliest_first=True), 0.95)):
+        assert values_of(trial_of(run_by(policy, Rise(), config=config), Rise()))[0] == value
+
+
 def test_plain_asks_for_no_second_candidate() -> None:
     def choose(*_: object) -> Iterator[PrimitiveCall]:
         yield PrimitiveCall("rise", np.array([CEILING + 0.1]))

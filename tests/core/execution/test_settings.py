@@ -13,6 +13,7 @@ def read(text: str) -> RunnerConfig:
 
 def test_plain_stands_for_all_off() -> None:
     assert read("runner: plain").model_dump() == {
+        "likeliest_first": False,
         "leave_out_unreachable": False,
         "turn_unreachable": False,
         "repeats": None,
@@ -23,7 +24,11 @@ def test_plain_stands_for_all_off() -> None:
 def test_all_is_on_by_default_and_each_can_be_switched_off() -> None:
     assert read("trials: 5") == read("runner: {}") == RunnerConfig()
     assert RunnerConfig() == RunnerConfig(
-        leave_out_unreachable=True, turn_unreachable=True, repeats=2, leave_out_without_effect=True
+        likeliest_first=True,
+        leave_out_unreachable=True,
+        turn_unreachable=True,
+        repeats=2,
+        leave_out_without_effect=True,
     )
     assert read("runner: {repeats: null}") == RunnerConfig(repeats=None)
 

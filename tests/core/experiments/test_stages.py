@@ -108,6 +108,7 @@ def test_a_whole_experiment_is_done_once_and_reported(toy: Make) -> None:
     assert found["replay"]["with_other"]["success"] == 1.0
     assert found["evaluation.motor"]["runner"] is None
     assert found["evaluation.calls"]["runner"] == {
+        "likeliest_first": False,
         "leave_out_unreachable": False,
         "turn_unreachable": False,
         "repeats": None,
