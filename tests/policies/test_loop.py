@@ -1,7 +1,6 @@
 """The training loop: it learns, repeats itself, goes on after a kill, and stops where it fails."""
 
 import contextlib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +13,14 @@ from prime_core.errors import PrimeError
 from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.trunk import Trunk
 from prime_policies.training.examples import Examples
-from prime_policies.training.loop import Schedule, Trainer
+from prime_policies.training.loop import Trainer, falling
+from prime_policies.training.settings import NetworkSettings
 from prime_policies.training.weights import WeightsError
 
 from .toy_world import CONTEXT
 
-SCHEDULE = Schedule(
-    epochs=4, steps_per_epoch=20, learning_rate=2e-2, weight_decay=1e-3, batch_size=32
-)
+SETTINGS = NetworkSettings(steps_per_epoch=20, learning_rate=2e-2, batch_size=32)
+EPOCHS = 4
 
 
 class KilledError(Exception):
@@ -30,7 +29,7 @@ class KilledError(Exception):
 
 def network() -> Classifier:
     torch.manual_seed(0)
-    return Classifier(Trunk(features=2, pair=False, hidden=(8,), noise=0.1), 8, classes=2)
+    return Classifier(Trunk(features=2, pair=False, hidden=(8,), noise=0.1), classes=2)
 
 
 def examples() -> Examples:
@@ -38,7 +37,7 @@ def examples() -> Examples:
     features = generator.normal(size=(200, 2)).astype(np.float32)
     classes = (features[:, 0] > 0).astype(np.int64)
     labels = Labels(np.arange(200)[:, None], classes, np.ones(200))
-    return Examples.of(torch.from_numpy(features), labels)
+    return Examples(torch.from_numpy(features), labels)
 
 
 def run(
@@ -47,7 +46,7 @@ def run(
     seed: int = 0,
     keep_kills: bool = False,
     identity: str = "identity",
-    schedule: Schedule = SCHEDULE,
+    settings: NetworkSettings = SETTINGS,
 ) -> Classifier:
     def kill(epoch: int) -> None:
         if epoch == kill_after:
@@ -60,8 +59,8 @@ def run(
     folder.mkdir(exist_ok=True)
     ours = network()
     context = TrainingContext(**vars(CONTEXT), folder=folder, seed=seed, progress=progress)
-    trainer = Trainer(context, identity, schedule.epochs)
-    trainer.train("net", ours, examples(), schedule, kill if keep_kills else lambda epoch: None)
+    trainer = Trainer(context, identity, EPOCHS)
+    trainer.train("net", ours, examples(), settings, EPOCHS, kill if keep_kills else None)
     return ours
 
 
@@ -74,7 +73,7 @@ def same(left: Classifier, right: Classifier) -> bool:
 
 
 def test_it_learns(tmp_path: Path) -> None:
-    batch = examples().batch(slice(None))
+    batch = examples().everything()
     guesses = run(tmp_path)(batch.features).argmax(dim=1)
     assert float((guesses == batch.labels).float().mean()) > 0.95
 
@@ -112,7 +111,7 @@ def test_a_state_of_another_training_is_refused(tmp_path: Path, kill_after: int)
 @pytest.mark.parametrize("rate", [1e30, float("inf")])
 def test_a_training_that_diverges_says_so_and_keeps_nothing(tmp_path: Path, rate: float) -> None:
     with pytest.raises(PrimeError, match=r"training 'net' diverged in epoch 1: .*Nothing was kept"):
-        run(tmp_path, schedule=replace(SCHEDULE, learning_rate=rate))
+        run(tmp_path, settings=SETTINGS.model_copy(update={"learning_rate": rate}))
     assert not list(tmp_path.iterdir())
 
 
@@ -127,11 +126,11 @@ def test_weights_that_are_not_finite_stop_a_training(tmp_path: Path) -> None:
     ours.loss = lambda batch, generator: ours.head.bias.square().sum()  # type: ignore[method-assign]
     context = TrainingContext(**vars(CONTEXT), folder=tmp_path, seed=0)
     with pytest.raises(PrimeError, match=r"weight 'trunk\.first\.weight' is not finite"):
-        Trainer(context, "identity", 4).train("net", ours, examples(), SCHEDULE, poison)
+        Trainer(context, "identity", 4).train("net", ours, examples(), SETTINGS, EPOCHS, poison)
 
 
 def test_the_rate_falls_from_its_start_to_zero() -> None:
-    shares = [SCHEDULE.share(step) for step in range(81)]
+    shares = [falling(step, 80) for step in range(81)]
     assert shares[0] == 1.0
     assert shares[40] == pytest.approx(0.5)
     assert shares[80] == pytest.approx(0.0)
@@ -141,7 +140,7 @@ def test_the_rate_falls_from_its_start_to_zero() -> None:
 def test_draws_follow_the_weights() -> None:
     given = np.array([0.0, 3.0, 0.0, 1.0, 0.0])
     labels = Labels(np.arange(5)[:, None], np.zeros(5, dtype=np.int64), given)
-    ours = Examples.of(torch.zeros(5, 2), labels)
+    ours = Examples(torch.zeros(5, 2), labels)
     counts = np.bincount(ours.draws(np.random.default_rng(0), 4000).numpy(), minlength=5)
     assert counts[[0, 2, 4]].sum() == 0
     assert counts[1] / 4000 == pytest.approx(0.75, abs=0.03)

@@ -9,6 +9,7 @@ from safetensors.torch import save_file
 from torch import nn
 
 from prime_core.contracts.description import ObjectDescription, SceneDescription
+from prime_core.contracts.training import ModelContext
 from prime_policies.training.weights import (
     CARD,
     WeightsError,
@@ -20,9 +21,9 @@ from prime_policies.training.weights import (
     write_tensors,
 )
 
-from .toy_world import DESCRIPTION, SPACE
+from .toy_world import CONTEXT, DESCRIPTION, SPACE
 
-CARD_HERE = make_card("mlp-gmm", {"hidden_sizes": [8], "seed": 1}, DESCRIPTION, SPACE)
+CARD_HERE = make_card("mlp-gmm", {"hidden_sizes": [8], "seed": 1}, CONTEXT)
 
 
 def refusal(folder: Path) -> str:
@@ -56,7 +57,8 @@ def test_other_objects_are_named(tmp_path: Path) -> None:
         workspace_high=DESCRIPTION.workspace_high,
         lift_height=1.0,
     )
-    write_card(tmp_path, make_card("mlp-gmm", CARD_HERE["settings"], description, SPACE))
+    context = ModelContext(description=description, space=SPACE)
+    write_card(tmp_path, make_card("mlp-gmm", CARD_HERE["settings"], context))
     text = refusal(tmp_path)
     assert "object_order is ['bottle'] there, ['carton'] here" in text
 

@@ -4,23 +4,17 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from prime_policies.networks.batch import Batch
+from prime_policies.networks.network import Batch, Network
 from prime_policies.networks.trunk import Trunk
 
 
-class Classifier(nn.Module):
-    """p(class | features).
+class Classifier(Network):
+    """p(class | features), for a number of classes."""
 
-    Args:
-        trunk: Sees the features.
-        hidden: Width of its last layer.
-        classes: Number of classes.
-    """
-
-    def __init__(self, trunk: Trunk, hidden: int, classes: int) -> None:
+    def __init__(self, trunk: Trunk, classes: int) -> None:
         super().__init__()
         self.trunk = trunk
-        self.head = nn.Linear(hidden, classes)
+        self.head = nn.Linear(trunk.width, classes)
 
     def forward(self, features: Tensor) -> Tensor:
         """Return log probabilities ``(n, classes)`` of features ``(n, 1 or 2, features)``."""

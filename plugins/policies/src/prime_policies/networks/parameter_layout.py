@@ -46,24 +46,22 @@ class ParameterLayout:
 
     def __init__(self, space: ParameterSpace) -> None:
         self._space = space
-        names = [item.name for item in space.parameters]
-        places = {name: place for place, name in enumerate(names)}
+        places = {item.name: place for place, item in enumerate(space.parameters)}
         groups: list[Group] = []
-        self._displacement: list[tuple[int, int]] = []
-        for number, (x, y, z) in enumerate(POINTS):
-            if {x, y} <= set(names):
+        for x, y, z in POINTS:
+            if x in places and y in places:
                 groups.append(Group("plane", (places[x], places[y])))
-            if z in names:
+            if z in places:
                 groups.append(Group("height", (places[z],)))
-            if number and set(POINTS[0]) | {x, y, z} <= set(names):
-                pairs = zip(POINTS[0], (x, y, z), strict=True)
-                self._displacement = [(places[start], places[move]) for start, move in pairs]
         taken = {place for group in groups for place in group.places}
         for place, item in enumerate(space.parameters):
             if place not in taken:
                 angle = item.name == YAW and item.period is not None
                 groups.append(Group("angle" if angle else "number", (place,)))
         self.groups = tuple(groups)
+        pairs = list(zip(*POINTS, strict=True))
+        whole = all(name in places for pair in pairs for name in pair)
+        self._moves = [(places[start], places[move]) for start, move in pairs if whole]
         self.periods = np.array([item.period or 0.0 for item in space.parameters])
         halves = np.maximum((space.high - space.low) / 2, 1e-6)
         self.scales = halves.copy()
@@ -74,7 +72,7 @@ class ParameterLayout:
     def targets(self, parameters: Floats) -> Floats:
         """Return what networks learn for parameters ``(n, P)``."""
         result = np.array(parameters, dtype=np.float64)
-        for start, move in self._displacement:
+        for start, move in self._moves:
             result[:, move] += result[:, start]
         return result
 
@@ -86,6 +84,6 @@ class ParameterLayout:
             if period:
                 middle = (low[place] + high[place]) / 2
                 result[:, place] = middle + wrap_angle(result[:, place] - middle, period)
-        for start, move in self._displacement:
+        for start, move in self._moves:
             result[:, move] -= result[:, start]
         return np.clip(result, low, high)

@@ -1,13 +1,13 @@
 """p(parameters | what is seen, primitive): a task-parameterised mixture for each primitive."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
-from prime_policies.networks.batch import Batch
 from prime_policies.networks.mixture import Mixture, log_density, wrapped
+from prime_policies.networks.network import Batch, Network
 from prime_policies.networks.product_mixture import ProductMixture
 from prime_policies.networks.starting import start_components
 from prime_policies.networks.trunk import Trunk
@@ -15,13 +15,8 @@ from prime_policies.networks.trunk import Trunk
 RIDGES = (1e-5, 1e-3, 1e-1, 10.0)  # for inputs of unit spread; the last leaves a constant
 
 
-class ParameterNetwork(nn.Module):
-    """The mixtures of all primitives, whose components one trunk weighs.
-
-    Args:
-        trunk: Sees the features.
-        mixtures: Of the primitives.
-    """
+class ParameterNetwork(Network):
+    """The mixtures of all primitives, whose components one trunk weighs."""
 
     def __init__(self, trunk: Trunk, mixtures: Sequence[ProductMixture]) -> None:
         super().__init__()
@@ -36,58 +31,49 @@ class ParameterNetwork(nn.Module):
             poses: Frames of reference, ``(n, frames, 4)``.
             primitive: Its number.
         """
-        mixture: Mixture = self.mixtures[primitive](
-            self.trunk(features), poses, self.trunk.inputs(features)
-        )
-        return mixture
+        mixture = self.mixtures[primitive]
+        return mixture(self.trunk(features), poses, self.trunk.inputs(features))
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
         """Return the mean negative log density of the targets."""
         hidden, inputs = self.trunk(batch.features, generator), self.trunk.inputs(batch.features)
         total = hidden.new_zeros(())
-        for number, mixture in enumerate(self.mixtures):
-            rows = batch.labels == number
-            if rows.any():
-                width = len(mixture.scales)
-                targets = batch.targets[rows, :width] / mixture.scales
-                found = mixture(hidden[rows], batch.poses[rows], inputs[rows])
-                total = total - log_density(found, targets).sum()
+        for mixture, rows, targets in self._by_primitive(batch):
+            found = mixture(hidden[rows], batch.poses[rows], inputs[rows])
+            total = total - log_density(found, targets).sum()
         return total / len(batch.labels)
 
-    @torch.no_grad()
     def start(
         self, batch: Batch, components: Iterable[int], generator: np.random.Generator
     ) -> None:
-        """Start components where examples gather, of each primitive that has any.
-
-        Args:
-            batch: The examples.
-            components: Numbers of the components.
-            generator: Of the examples that are looked at.
-        """
+        """Start some components where examples gather, of each primitive that has any."""
         inputs = self.trunk.inputs(batch.features)
-        for number, mixture in enumerate(self.mixtures):
-            rows = batch.labels == number
-            if rows.any():
-                targets = batch.targets[rows, : len(mixture.scales)] / mixture.scales
-                start_components(
-                    mixture, components, batch.poses[rows], inputs[rows], targets, generator
-                )
+        for mixture, rows, targets in self._by_primitive(batch):
+            poses = batch.poses[rows]
+            start_components(mixture, components, poses, inputs[rows], targets, generator)
 
-    @torch.no_grad()
+    def activate(self, components: Iterable[int]) -> None:
+        """Let some components take part, and no others."""
+        for mixture in self.mixtures:
+            mixture.active.fill_(0.0)[list(components)] = 1.0
+
     def fit_affine(self, batch: Batch) -> None:
         """Fit each primitive's affine map: what the gripper's pose at s' misses the targets by.
 
         An arm's controller stops short by a millimetre, in a way that follows from where it is.
         """
         inputs = self.trunk.inputs(batch.features).double()
+        for mixture, rows, targets in self._by_primitive(batch):
+            rest = targets - mixture.end_of(batch.poses[rows])
+            rest = wrapped(rest, mixture.periods / mixture.scales)
+            mixture.affine.copy_(ridge_regression(inputs[rows], rest.double()))
+
+    def _by_primitive(self, batch: Batch) -> Iterator[tuple[ProductMixture, Tensor, Tensor]]:
+        """Yield mixture, rows and targets over its scales of each primitive that has examples."""
         for number, mixture in enumerate(self.mixtures):
             rows = batch.labels == number
             if rows.any():
-                targets = batch.targets[rows, : len(mixture.scales)] / mixture.scales
-                rest = targets - mixture.end_of(batch.poses[rows])
-                rest = wrapped(rest, mixture.periods / mixture.scales)
-                mixture.affine.copy_(ridge_regression(inputs[rows], rest.double()))
+                yield mixture, rows, batch.targets[rows, : len(mixture.scales)] / mixture.scales
 
 
 def ridge_regression(inputs: Tensor, targets: Tensor) -> Tensor:

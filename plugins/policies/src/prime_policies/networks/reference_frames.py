@@ -22,20 +22,23 @@ JAW_SYMMETRY = 2  # parallel jaws look the same after half a turn
 MOVED = 0.01  # [m] from which on an object's way has a direction
 
 
+POINT = ("plane", "height")
+POSE = (*POINT, "angle")
+"""Kinds of groups of parameters (`parameter_layout.Group`)."""
+
+
 @dataclass(frozen=True)
 class ReferenceFrame:
     """One frame of reference.
 
     Attributes:
         name: What it is.
-        has_origin: Whether points may be relative to it.
-        has_yaw: Whether angles may be.
+        kinds: Kinds of the groups of parameters that may be relative to it.
         is_object: Whether it is where an object is at s, which is then pushed to a second point.
     """
 
     name: str
-    has_origin: bool = True
-    has_yaw: bool = True
+    kinds: tuple[str, ...] = POSE
     is_object: bool = False
 
 
@@ -53,21 +56,22 @@ class ReferenceFrames:
     def __init__(self, description: SceneDescription, pair: bool) -> None:
         self._objects = description.objects
         self._pair = pair
-        self.frames = tuple(self._names())
+        self.frames = tuple(self._frames())
 
-    def _names(self) -> Iterator[ReferenceFrame]:
-        yield ReferenceFrame("world")
-        yield ReferenceFrame("gripper at s", has_origin=self._pair)
+    def _frames(self) -> Iterator[ReferenceFrame]:
+        yield ReferenceFrame("world", (*POSE, "number"))  # plain numbers are relative to nothing
+        yield ReferenceFrame("gripper at s", POSE if self._pair else ("angle",))
         if self._pair:
             yield ReferenceFrame("gripper at s'")
         for item in self._objects:
-            yield ReferenceFrame(item.name, has_yaw=item.yaw_symmetry > 0, is_object=True)
+            kinds = POSE if item.yaw_symmetry else POINT
+            yield ReferenceFrame(item.name, kinds, is_object=True)
             if self._pair:
-                yield ReferenceFrame(f"{item.name} at s'", has_yaw=item.yaw_symmetry > 0)
-                yield ReferenceFrame(f"{item.name} along its way", has_yaw=False)
+                yield ReferenceFrame(f"{item.name} at s'", kinds)
+                yield ReferenceFrame(f"{item.name} along its way", POINT)
                 yield ReferenceFrame(f"gripper carried by {item.name}")
             else:
-                yield ReferenceFrame(f"{item.name} without its yaw", has_yaw=False)
+                yield ReferenceFrame(f"{item.name} without its yaw", POINT)
 
     def encode(self, seen: Observations) -> NDArray[np.float32]:
         """Return the poses of gripper and objects in each instant, ``(N, 1 + objects, 4)``.
@@ -78,8 +82,8 @@ class ReferenceFrames:
         poses = np.empty((len(seen), 1 + len(self._objects), 4), dtype=np.float32)
         yaw = seen.gripper_yaw
         poses[:, 0, :3], poses[:, 0, 3] = seen.gripper_position, yaw
+        poses[:, 1:, :3] = seen.object_positions
         for index, item in enumerate(self._objects):
-            poses[:, index + 1, :3] = seen.object_positions[:, index]
             own = yaw_of(seen.object_quaternions[:, index])
             if item.yaw_symmetry:
                 period = 2 * np.pi / lcm(item.yaw_symmetry, JAW_SYMMETRY)
@@ -97,18 +101,17 @@ class ReferenceFrames:
         Returns:
             x, y, z [m] and yaw [rad] of each, ``(n, frames, 4)``.
         """
-        start, end = encoded[rows[:, 0]].astype(np.float64), encoded[rows[:, -1]]
-        parts = [np.zeros((len(rows), 4)), start[:, 0]]
+        gripper, *befores = np.moveaxis(encoded[rows[:, 0]].astype(np.float64), 1, 0)
+        gripper_after, *afters = np.moveaxis(encoded[rows[:, -1]].astype(np.float64), 1, 0)
+        parts = [np.zeros_like(gripper), gripper]
         if self._pair:
-            parts.append(end[:, 0].astype(np.float64))
-        for index in range(1, start.shape[1]):
-            parts.append(start[:, index])
+            parts.append(gripper_after)
+        for before, after in zip(befores, afters, strict=True):
+            parts.append(before)
             if self._pair:
-                after = end[:, index].astype(np.float64)
-                parts += [after, _along(start[:, index], after)]
-                parts.append(_carried(start[:, 0], start[:, index], after))
+                parts += [after, _along(before, after), _carried(gripper, before, after)]
             else:
-                parts.append(np.pad(start[:, index, :3], ((0, 0), (0, 1))))
+                parts.append(np.pad(before[:, :3], ((0, 0), (0, 1))))
         return np.stack(parts, axis=1)
 
 
@@ -124,9 +127,8 @@ def _carried(gripper: Array, before: Array, after: Array) -> Array:
     return np.column_stack((after[:, :3] + turned, gripper[:, 3] + turn))
 
 
-def _along(start: Array, end: Array) -> Array:
+def _along(before: Array, after: Array) -> Array:
     """Return where an object started, turned the way that it moved, ``(n, 4)``."""
-    move = (end - start)[:, :2]
-    angle = np.arctan2(move[:, 1], move[:, 0])
-    turned = np.where(np.hypot(move[:, 0], move[:, 1]) > MOVED, angle, 0.0)
-    return np.column_stack((start[:, :3], turned))
+    x, y = (after - before)[:, :2].T
+    yaw = np.where(np.hypot(x, y) > MOVED, np.arctan2(y, x), 0.0)
+    return np.column_stack((before[:, :3], yaw))

@@ -21,33 +21,27 @@ class Trunk(nn.Module):
         pair: Whether it sees pairs.
         hidden: Widths of the hidden layers.
         noise: Standard deviation of the noise on normalised inputs while training.
-    """
 
-    mean: Tensor
-    scale: Tensor
-    difference_scale: Tensor
+    Attributes:
+        width: Of the last hidden layer.
+    """
 
     def __init__(self, features: int, pair: bool, hidden: tuple[int, ...], noise: float) -> None:
         super().__init__()
-        self._pair, self._noise = pair, noise
-        self.register_buffer("mean", torch.zeros(features))
-        self.register_buffer("scale", torch.ones(features))
-        self.register_buffer("difference_scale", torch.ones(features))
+        self._pair, self._noise, self.width = pair, noise, hidden[-1]
+        self.mean = nn.Buffer(torch.zeros(features))
+        self.scale = nn.Buffer(torch.ones(features))
+        self.difference_scale = nn.Buffer(torch.ones(features))
         self.first = nn.Linear(3 * features if pair else features, hidden[0])
         layers: list[nn.Module] = []
         for before, after in pairwise(hidden):
             layers += [nn.Linear(before, after), nn.ReLU()]
         self.rest = nn.Sequential(*layers)
 
-    def measure(self, features: Tensor, rows: Tensor) -> None:
-        """Take mean and spread of the inputs for normalisation.
-
-        Args:
-            features: ``(N, features)``.
-            rows: Of the examples, ``(n, 1 or 2)``.
-        """
-        seen = features[rows].double()
-        flat = seen.reshape(-1, seen.shape[-1])
+    def measure(self, features: Tensor) -> None:
+        """Take mean and spread of examples' features ``(n, 1 or 2, features)`` to normalise by."""
+        seen = features.double()
+        flat = seen.flatten(end_dim=1)
         self.mean.copy_(flat.mean(dim=0))
         self.scale.copy_(flat.std(dim=0, correction=0).clamp_min(LEAST_SPREAD))
         if self._pair:
@@ -89,8 +83,7 @@ class Trunk(nn.Module):
 
     def finish(self, first: Tensor) -> Tensor:
         """Return the last hidden layer from the first one's value before its rectifier."""
-        result: Tensor = self.rest(functional.relu(first))
-        return result
+        return self.rest(functional.relu(first))
 
     def _normalise(self, features: Tensor) -> Tensor:
         return ((features - self.mean) / self.scale).clamp(-CLIP, CLIP)

@@ -15,8 +15,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor, nn
 
-from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.training import ModelContext
 from prime_core.errors import PrimeError
 from prime_core.files import new_file
 
@@ -31,31 +30,27 @@ class WeightsError(PrimeError):
     """A folder does not hold the weights that are asked for."""
 
 
-def make_card(
-    kind: str, settings: Card, description: SceneDescription, space: PrimitiveSpace
-) -> Card:
+def make_card(kind: str, settings: Card, context: ModelContext) -> Card:
     """Return what weights are for, as plain data.
 
     Args:
         kind: Name that the settings are registered under.
         settings: Their dump.
-        description: Of the scenes that the networks see.
-        space: The primitives that they know.
+        context: The scenes that the networks see, and the primitives that they know.
     """
-    objects = {item.name: {"yaw_symmetry": item.yaw_symmetry} for item in description.objects}
-    primitives = {
-        name: {item.name: {"unit": item.unit, "period": item.period} for item in space.parameters}
-        for name, space in zip(space.names, space.parameter_spaces, strict=True)
-    }
+    space, objects = context.space, context.description.objects
     return {
         "kind": kind,
         "format": FORMAT,
         "settings": settings,
         # Their order is part of what the weights mean.
-        "object_order": list(objects),
-        "objects": objects,
-        "primitive_order": list(primitives),
-        "primitives": primitives,
+        "object_order": [item.name for item in objects],
+        "objects": {item.name: {"yaw_symmetry": item.yaw_symmetry} for item in objects},
+        "primitive_order": list(space.names),
+        "primitives": {
+            name: {item.name: {"unit": item.unit, "period": item.period} for item in own.parameters}
+            for name, own in zip(space.names, space.parameter_spaces, strict=True)
+        },
     }
 
 

@@ -1,8 +1,10 @@
-"""A batch of examples, as networks take it."""
+"""A network as the training loop sees it, and what it takes."""
 
+from abc import ABC, abstractmethod
 from typing import NamedTuple
 
-from torch import Tensor
+import torch
+from torch import Tensor, nn
 
 
 class Batch(NamedTuple):
@@ -19,3 +21,11 @@ class Batch(NamedTuple):
     labels: Tensor
     poses: Tensor
     targets: Tensor
+
+
+class Network(nn.Module, ABC):
+    """What the training loop trains."""
+
+    @abstractmethod
+    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
+        """Return the mean loss of a batch; the generator is of noise."""
