@@ -4,6 +4,7 @@ import contextlib
 import os
 import socket
 import sqlite3
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,15 @@ class StageInfra(exca.MapInfra):
     def model_post_init(self, log__: Any) -> None:
         """Set up as exca does, but for its look at the folder: questions write nothing."""
         super(exca.MapInfra, self).model_post_init(log__)
+
+    def forget(self, items: Iterable[str]) -> None:
+        """Forget what is kept of items; it may be unreadable."""
+        with self.cache_dict.write() as cache:
+            for item in items:
+                with contextlib.suppress(LookupError, TypeError, ValueError):
+                    del cache[item]
+        # It would go on with what it has read of files that are written anew under the same names.
+        self._state.cache_dict = None
 
     def _check_configs(self, write: bool = True) -> None:
         try:
