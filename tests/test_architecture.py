@@ -35,6 +35,7 @@ ORDER = (
     ("reporting",),
     ("checks",),
     ("registry",),
+    ("experiments.run_folder",),
     ("experiments.stages",),
     ("experiments",),
     ("experiments.results",),

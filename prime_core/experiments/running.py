@@ -2,6 +2,7 @@
 
 import logging
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -135,9 +136,11 @@ def _told(stage: Stage, error: Exception) -> PrimeError | None:
         return place
     logs = f"Its logs are under {stage.folder / 'logs'}"
     if isinstance(error, UncompletedJobError):
+        state = re.search(r"state: (\w+)", str(error))
         return PrimeError(
-            f"a worker of stage {stage.title!r} stopped: something ended it, such as a kill or "
-            f"want of memory. What it had finished is kept: run again. {logs}"
+            f"a worker of stage {stage.title!r} stopped ({state.group(1) if state else 'gone'}): "
+            "something ended it, such as a kill or want of memory. What it had finished is kept: "
+            f"run again. {logs}"
         )
     last = str(error).strip().splitlines()[-1]
     return PrimeError(f"a worker of stage {stage.title!r} stopped: {last.strip()}. {logs}")

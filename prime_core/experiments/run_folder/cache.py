@@ -4,12 +4,13 @@ import contextlib
 import os
 import socket
 import sqlite3
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import exca
 import orjson
-from exca.cachedict.core import JsonlReader
 from exca.cachedict.inflight import InflightRegistry, Pid
 
 from prime_core.files import new_file
@@ -25,6 +26,15 @@ class StageInfra(exca.MapInfra):
         """Set up as exca does, but for its look at the folder: questions write nothing."""
         super(exca.MapInfra, self).model_post_init(log__)
 
+    def forget(self, items: Iterable[str]) -> None:
+        """Forget what is kept of items; it may be unreadable."""
+        with self.cache_dict.write() as cache:
+            for item in items:
+                with contextlib.suppress(LookupError, TypeError, ValueError):
+                    del cache[item]
+        # It would go on with what it has read of files that are written anew under the same names.
+        self._state.cache_dict = None
+
     def _check_configs(self, write: bool = True) -> None:
         try:
             super()._check_configs(write)
@@ -35,15 +45,47 @@ class StageInfra(exca.MapInfra):
             super()._check_configs(write)
 
 
+@dataclass
+class _Index:
+    """What was read of a file with a line for each item."""
+
+    stamp: tuple[int, int, int] = (0, 0, 0)  # inode, size, time of the last change
+    end: int = 0  # of the last whole line
+    keys: set[str] = field(default_factory=set)
+
+
+_indices: dict[Path, _Index] = {}
+
+
 def kept_items(folder: Path) -> set[str]:
     """Return the items that are kept in the folder of a stage; nothing is written."""
     found: set[str] = set()
     for path in folder.glob(_INFO):
-        try:
-            found |= JsonlReader(path).read().keys()
-        except (RuntimeError, AttributeError, KeyError, TypeError):  # a line is broken
-            found |= {str(line["#key"]) for line in map(_parsed, _lines(path)) if line}
+        with contextlib.suppress(FileNotFoundError):
+            found |= _keys_of(path)
     return found
+
+
+def _keys_of(path: Path) -> set[str]:
+    """Return the items of a file, of which only what is new is read: runs ask twice a second."""
+    state = path.stat()
+    stamp = (state.st_ino, state.st_size, state.st_mtime_ns)
+    index = _indices.setdefault(path, _Index())
+    if stamp == index.stamp:
+        return index.keys
+    if stamp[0] != index.stamp[0] or state.st_size <= index.end:
+        index = _indices[path] = _Index()  # lines are blanked in place, without growth
+    with path.open("rb") as file:
+        file.seek(index.end)
+        lines = file.read().splitlines(keepends=True)
+    for line in lines:
+        item = _parsed(line)
+        if item is not None:
+            index.keys.add(str(item["#key"]))
+        if line.endswith(b"\n"):
+            index.end += len(line)
+    index.stamp = stamp
+    return index.keys
 
 
 def mend(folder: Path) -> None:

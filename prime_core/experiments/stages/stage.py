@@ -147,11 +147,8 @@ class Stage(BaseModel):
         kept = kept_items(self.folder)
         damaged = [item for item in self.items() if item in kept and self._load(item)[1]]
         if damaged:
-            with self.infra.cache_dict.write() as cache:
-                for item in damaged:
-                    with contextlib.suppress(LookupError, TypeError, ValueError):
-                        del cache[item]
-                    remove(self.outputs(item))
+            self.infra.forget(damaged)
+            remove(path for item in damaged for path in self.outputs(item))
         return damaged
 
     def missing(self) -> list[str]:
