@@ -21,7 +21,6 @@ from prime_core.rotations import wrap_angle, yaw_of
 JAW_SYMMETRY = 2  # parallel jaws look the same after half a turn
 MOVED = 0.01  # [m] from which on an object's way has a direction
 
-
 POINT = ("plane", "height")
 POSE = (*POINT, "angle")
 """Kinds of groups of parameters (`parameter_layout.Group`)."""
