@@ -37,5 +37,5 @@ def stage_table(experiment: Experiment) -> Table:
         mark = "[green]✓[/] " if not missing else ""
         where = stage.folder.relative_to(experiment.folder)
         cells = [name, f"{mark}{total - missing}/{total} {stage.unit}", str(where)]
-        table.add_row(*cells, describe(other.get(name, [])))
+        table.add_row(*cells, *([describe(other.get(name, []))] if other else []))
     return table
