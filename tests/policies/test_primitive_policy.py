@@ -163,6 +163,21 @@ def test_it_is_not_stuck_with_one_primitive_where_it_is_unsure(
     assert len(picked) > 1
 
 
+def test_draws_are_calls_that_can_start_and_are_not_always_the_same(
+    policy: PrimitivePolicy,
+) -> None:
+    generator = np.random.default_rng(0)
+    kinds = set()
+    for seen in starts(demonstrations(seed=9, episodes=4)):
+        for only in np.eye(len(SPACE.names), dtype=bool):
+            call = policy.draw(seen, only, generator)
+            assert call.primitive == SPACE.names[int(np.flatnonzero(only)[0])]
+            assert SPACE.parameter_spaces[int(np.flatnonzero(only)[0])].contains(call.parameters)
+        calls = [policy.draw(seen, ALL, generator) for _ in range(20)]
+        kinds.add(len({tuple(call.parameters) for call in calls}))
+    assert max(kinds) > 1
+
+
 def test_its_parameters_are_within_their_bounds(policy: PrimitivePolicy) -> None:
     for seen in starts(rollouts(seed=7, episodes=10)):
         call = act(policy, seen)

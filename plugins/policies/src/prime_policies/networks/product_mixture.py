@@ -14,6 +14,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from prime_policies.networks.gate import Gate
 from prime_policies.networks.mixture import Mixture, wrapped
 from prime_policies.networks.parameter_layout import ParameterLayout
 from prime_policies.networks.reference_frames import ReferenceFrame
@@ -39,6 +40,7 @@ class ProductMixture(nn.Module):
         minimum_deviation: Least standard deviation, of targets over the layout's scales.
         affine_inputs: Inputs of an affine map that is one more frame of reference, for targets
             that follow from what is seen; 0 for none.
+        gated: Whether a component's weight also depends on where its mean is.
     """
 
     def __init__(
@@ -49,6 +51,7 @@ class ProductMixture(nn.Module):
         components: int,
         minimum_deviation: float,
         affine_inputs: int = 0,
+        gated: bool = False,
     ) -> None:
         super().__init__()
         self.layout = layout
@@ -77,6 +80,7 @@ class ProductMixture(nn.Module):
         self.offsets = nn.Parameter(torch.zeros(components, len(says), width))
         self.log_precisions = nn.Parameter(torch.zeros(components, len(says), len(kinds)))
         self.head = nn.Linear(hidden, components)
+        self.gate = Gate(layout) if gated else None
 
     def forward(self, hidden: Tensor, poses: Tensor, inputs: Tensor) -> Mixture:
         """Return the mixture of each example, of targets over the scales.
@@ -92,7 +96,10 @@ class ProductMixture(nn.Module):
         means = self._means(poses, self._bases(poses, inputs), weights)
         total = precisions.sum(dim=1)[:, self._group_of]
         deviations = (1.0 / total.sqrt()).clamp_min(self.minimum_deviation)
-        logits = self.head(hidden).masked_fill(self.active == 0, -torch.inf)
+        logits = self.head(hidden)
+        if self.gate is not None:
+            logits = logits + self.gate(means)
+        logits = logits.masked_fill(self.active == 0, -torch.inf)
         return Mixture(logits, means, deviations, self.periods / self.scales)
 
     def offsets_of(self, poses: Tensor, inputs: Tensor, targets: Tensor) -> Tensor:

@@ -31,7 +31,7 @@ class CallNetworks:
         context: The scenes, and the primitives.
         seed: Of the first weights.
         pair: Whether they see pairs of instants. A pair may also be `other`, which is one more
-            class, and mixtures of pairs have an affine map, too.
+            class, and mixtures of pairs have an affine map, those of instants a gate.
 
     Attributes:
         space: The primitives.
@@ -65,6 +65,7 @@ class CallNetworks:
                     settings.components,
                     settings.minimum_deviation,
                     affine_inputs=3 * width if pair else 0,
+                    gated=not pair,
                 )
                 for layout in self.layouts
             ]
