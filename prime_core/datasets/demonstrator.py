@@ -1,14 +1,18 @@
 """Demonstrations that come from a LeRobot data set."""
 
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field
 
+from prime_core.configuration import GREATEST_COUNT, LocalPath
 from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.datasets.read import count_episodes, read_dataset
 from prime_core.errors import DatasetError
+
+Index = Annotated[int, Field(ge=0, lt=GREATEST_COUNT)]
 
 _descriptions: dict[tuple[type[EnvironmentConfig], str], SceneDescription] = {}
 
@@ -16,9 +20,9 @@ _descriptions: dict[tuple[type[EnvironmentConfig], str], SceneDescription] = {}
 class LeRobotDemonstratorConfig(DemonstratorConfig):
     """Takes demonstrations from a LeRobot v3 data set, as they are."""
 
-    path: Path
+    path: LocalPath
     """Folder of the data set."""
-    episodes: tuple[int, ...] | None = Field(None, min_length=1)
+    episodes: tuple[Index, ...] | None = Field(None, min_length=1)
     """Indices of the episodes to take, in this order; all if null."""
 
     @classmethod

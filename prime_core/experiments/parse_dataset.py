@@ -2,13 +2,11 @@
 
 from pathlib import Path
 
-import yaml
-
 from prime_core.contracts.demonstration import DemonstratorConfig, ParsedDemonstration
 from prime_core.datasets.read import write_dataset
 from prime_core.errors import ConfigurationError, DatasetError
 from prime_core.experiments.experiment import Experiment
-from prime_core.experiments.reading import validate_experiment
+from prime_core.experiments.reading import read_experiment
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
@@ -29,8 +27,7 @@ def open_run(folder: Path) -> Experiment:
             f"{folder}: there is no experiment.yaml in it: name the folder of a run, such as "
             "runs/lift-quick"
         )
-    data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    return Experiment(validate_experiment(data, str(path)), folder)
+    return Experiment(read_experiment(path), folder)
 
 
 def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstration]:

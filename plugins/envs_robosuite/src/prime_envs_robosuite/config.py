@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from pydantic import PositiveInt
+from pydantic import Field
 
+from prime_core.configuration import Count
 from prime_core.contracts.environment import Environment, EnvironmentConfig
 
 
@@ -19,10 +20,10 @@ class RobosuiteConfig(EnvironmentConfig):
     """Cameras whose images are part of the observations: ``agentview``, ``wrist``, or any of
     robosuite's."""
 
-    image_size: PositiveInt = 84
+    image_size: int = Field(84, ge=1, le=4096)
     """Height and width of those images [pixels]."""
 
-    horizon: PositiveInt | None = None
+    horizon: Count | None = None
     """Steps after which an episode is truncated; none by default."""
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.configuration import LocalPath
 from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.environment import ACTION_LIMIT, EnvironmentConfig
 from prime_core.errors import DatasetError
@@ -33,7 +34,7 @@ class RobosuiteHdf5Config(DemonstratorConfig):
     but stepping on from it is only near to what followed.
     """
 
-    path: Path
+    path: LocalPath
     """The HDF5 file."""
 
     episodes: tuple[str, ...] | None = None
