@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.output import console
+
 
 def parse(
     dataset: Annotated[Path, typer.Argument(help="A LeRobot data set, or a robosuite HDF5 file.")],
@@ -14,19 +16,18 @@ def parse(
     ] = None,
 ) -> None:
     """Parse demonstrations from elsewhere with the IDM of a run."""
-    from rich.console import Console
-
-    from prime_core.experiments.parse_dataset import parse_foreign
+    from prime_core.experiments.parse_dataset import beside, parse_foreign
     from prime_core.experiments.results.summaries import parsing_summary
 
-    console = Console()
-    target = out or dataset.with_name(dataset.stem + "-parsed")
+    screen = console()
+    target = out or beside(dataset)
     summary = parsing_summary(parse_foreign(dataset, run, target))
-    console.print(
+    screen.print(
         f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "
         f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
         f"unexplained.\nWritten to {target}",
         highlight=False,
+        markup=False,
     )
     for index, names in enumerate(summary["sequences"]):
-        console.print(f"  {index}: {' '.join(names)}", highlight=False)
+        screen.print(f"  {index}: {' '.join(names)}", highlight=False, markup=False)

@@ -3,6 +3,7 @@
 import sys
 
 from prime_core.cli.options import RUNS, ExperimentArgument, OutOption, SetOption, UntilOption
+from prime_core.cli.output import console
 
 
 def run(
@@ -12,8 +13,6 @@ def run(
     out: OutOption = RUNS,
 ) -> None:
     """Run an experiment: what is done is kept, what depends on a change is done again."""
-    from rich.console import Console
-
     from prime_core.experiments.experiment import Experiment
     from prime_core.experiments.reading import read_experiment
     from prime_core.experiments.results.gathering import write_results
@@ -21,11 +20,11 @@ def run(
     from prime_core.experiments.results.table import summary_table
     from prime_core.experiments.running import run_experiment
 
-    console = Console()
+    screen = console()
     config = read_experiment(experiment, set_ or ())
     job = Experiment(config, out / config.name)
-    run_experiment(job, console, until)
+    run_experiment(job, screen, until)
     command = ["prime", *sys.argv[1:]]
-    console.print(summary_table(write_results(job, command)))
+    screen.print(summary_table(write_results(job, command)))
     for path in link_outputs(job):
-        console.print(f"  {path}", highlight=False)
+        screen.print(f"  {path}", highlight=False, markup=False)

@@ -1,20 +1,20 @@
 """``prime show``."""
 
 from prime_core.cli.options import RUNS, ExperimentArgument, OutOption, SetOption
+from prime_core.cli.output import console
 
 
 def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption = RUNS) -> None:
     """Show an experiment with all defaults, which of its stages are done, and where."""
-    from rich.console import Console
     from rich.syntax import Syntax
 
     from prime_core.experiments.experiment import Experiment
     from prime_core.experiments.reading import dump_experiment, read_experiment
     from prime_core.experiments.results.table import stage_table
 
-    console = Console()
+    screen = console()
     config = read_experiment(experiment, set_ or ())
-    console.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
+    screen.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
     job = Experiment(config, out / config.name)
-    console.print(f"in {job.folder}:", highlight=False)
-    console.print(stage_table(job))
+    screen.print(f"in {job.folder}:", highlight=False, markup=False)
+    screen.print(stage_table(job))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from prime_core.configuration import Config
 from prime_core.contracts.demonstration import DemonstratorConfig, ParsedDemonstration
 from prime_core.datasets.read import write_dataset
 from prime_core.errors import ConfigurationError, DatasetError
@@ -9,6 +10,7 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import read_experiment
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
+from prime_core.registry.contained import contained
 from prime_core.registry.fields import read_settings
 from prime_core.registry.loading import load_plugins
 from prime_core.reporting.overview import draw_timelines_overview
@@ -28,6 +30,20 @@ def open_run(folder: Path) -> Experiment:
             "runs/lift-quick"
         )
     return Experiment(read_experiment(path), folder)
+
+
+def beside(source: Path) -> Path:
+    """Return where the parsed data set of a source is written unless told: beside it.
+
+    Raises:
+        ConfigurationError: If nothing can lie beside it.
+    """
+    # A name such as ``..`` is not the folder's own. The whole name counts, what looks like a suffix
+    # too: of set.v1.0 and set.v1.1, neither may take the other's place.
+    whole = source if source.name not in ("", "..") else source.resolve()
+    if not whole.name:
+        raise ConfigurationError(f"{source}: nothing can lie beside it: say --out FOLDER")
+    return whole.with_name(f"{whole.name}-parsed")
 
 
 def parse_foreign(source: Path, run: Path, target: Path) -> list[ParsedDemonstration]:
@@ -74,13 +90,24 @@ def _demonstrator_of(source: Path) -> DemonstratorConfig:
         DatasetError: If none does.
     """
     registrations = load_plugins().registry.registrations("demonstrator")
-    for entry in registrations:
-        if issubclass(entry.config_class, DemonstratorConfig) and entry.config_class.reads(source):
+    # Prime's own first: no pack takes what they read.
+    for entry in sorted(registrations, key=lambda entry: not entry.plugin.is_own):
+        if _reads(entry.config_class, source):
             return read_settings(DemonstratorConfig, {"type": entry.name, "path": str(source)})
     raise DatasetError(
         f"{source}: nothing that is installed reads it: it must be a LeRobot data set's folder, or "
         f"a file for one of {', '.join(entry.name for entry in registrations)}"
     )
+
+
+def _reads(config_class: type[Config], source: Path) -> bool:
+    """Whether settings say that they read a source; those that fail do not."""
+    if not issubclass(config_class, DemonstratorConfig):
+        return False
+    try:
+        return bool(contained(lambda: config_class.reads(source)))
+    except Exception:  # a stranger's code
+        return False
 
 
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:

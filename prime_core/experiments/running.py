@@ -10,6 +10,7 @@ from pathlib import Path
 
 import submitit
 from rich.console import Console
+from rich.markup import escape
 
 from prime_core.errors import PrimeError
 from prime_core.experiments.compatibility import check_environments
@@ -46,7 +47,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         except PrimeError as error:
             if not stage.optional:
                 raise
-            console.print(f"[yellow]-[/] {name} left out: {error}", highlight=False)
+            console.print(f"[yellow]-[/] {name} left out: {escape(str(error))}", highlight=False)
             continue
         console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
 

@@ -16,7 +16,7 @@ MOST_VALUES = 100_000
 """In a file, aliases written out: a few lines of aliases of aliases stand for billions."""
 
 _TAG = "tag:yaml.org,2002:"
-_CONSTANTS = {
+_CONSTANTS: dict[str, dict[str, Any]] = {
     "null": {word: None for word in ("null", "Null", "NULL", "~", "")},
     "bool": {word: word[0] in "tT" for word in ["true", "True", "TRUE", "false", "False", "FALSE"]},
 }
