@@ -27,8 +27,8 @@ class LeRobotDemonstratorConfig(DemonstratorConfig):
 
     @classmethod
     def reads(cls, source: Path) -> bool:
-        """Whether it is a folder: whether it holds a data set is found out by reading it."""
-        return source.is_dir()
+        """Whether it looks like one: packs may read other folders."""
+        return (source / "meta").is_dir()
 
     def count_available(self) -> int:
         """How many demonstrations it gives."""

@@ -7,10 +7,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import submitit
 from rich.console import Console
 from rich.markup import escape
+from submitit.local import local
 
 from prime_core.errors import PrimeError
 from prime_core.experiments.compatibility import check_environments
@@ -76,7 +78,7 @@ def run_stage(stage: Stage) -> None:
         stage.compute(stage.missing())
     except (submitit.core.utils.FailedJobError, submitit.core.utils.UncompletedJobError) as error:
         if stage.error_file.exists():
-            raise PrimeError(stage.error_file.read_text()) from None
+            raise PrimeError(stage.error_file.read_text(encoding="utf-8")) from None
         raise PrimeError(
             f"a worker of stage {stage.title!r} stopped: {str(error).strip()[-2000:]}\n"
             f"Its logs are under {stage.folder / 'logs'}"
@@ -95,6 +97,31 @@ def wall_seconds(stage: Stage) -> float:
 
 
 @contextmanager
+def _quiet_at_interrupts() -> Iterator[None]:
+    """Start the processes that watch submitit's local jobs without a stderr of their own.
+
+    Ctrl-C in a terminal ends them too, each with a traceback. What jobs print goes to their logs.
+    """
+    start = local.start_controller
+
+    def quietly(*arguments: Any, **options: Any) -> Any:
+        kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, 2)
+        try:
+            return start(*arguments, **options)
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            os.close(nothing)
+
+    local.start_controller = quietly
+    try:
+        yield
+    finally:
+        local.start_controller = start
+
+
+@contextmanager
 def _ready_for_workers(stage: Stage) -> Iterator[None]:
     # Workers share the cores among themselves, each with one thread.
     settings = {"OMP_NUM_THREADS": "1", "TQDM_DISABLE": "1"}
@@ -107,7 +134,7 @@ def _ready_for_workers(stage: Stage) -> Iterator[None]:
     level = logger.level
     logger.setLevel(logging.WARNING)
     try:
-        with jobs_watched_in_queue():
+        with jobs_watched_in_queue(), _quiet_at_interrupts():
             yield
     finally:
         logger.setLevel(level)

@@ -118,42 +118,14 @@ def _load_plugins() -> Plugins:
         return builtin
 
     plugins.add("core", core, "prime-core", importlib.metadata.version("prime-core"))
-    for distribution, name, load in _entry_points():
-        plugins.add(name, load, *_name_and_version(distribution))
+    for entry in sorted(importlib.metadata.entry_points(group=hookspecs.GROUP), key=_place):
+        plugins.add(entry.name, entry.load, *_place(entry)[1:3])
     return plugins
 
 
-Entry = tuple[importlib.metadata.Distribution | None, str, Callable[[], Any]]
-
-
-def _entry_points() -> list[Entry]:
-    """Return distribution, name and import of all plugins, those with broken metadata included."""
-    found: list[Entry] = []
-    try:
-        entries = list(importlib.metadata.entry_points(group=hookspecs.GROUP))
-    except Exception:  # one broken file of any distribution
-        entries = []
-        for distribution in importlib.metadata.distributions():
-            try:
-                entries += distribution.entry_points.select(group=hookspecs.GROUP)
-            except Exception as problem:
-                found.append((distribution, "?", partial(_raise, problem)))
-    found += [(entry.dist, entry.name, entry.load) for entry in entries]
-    return sorted(found, key=_place)
-
-
-def _place(entry: Entry) -> tuple[bool, str, str]:
+def _place(entry: importlib.metadata.EntryPoint) -> tuple[bool, str, str, str]:
     """Return what plugins are put in order by: prime's first, before any other can do harm."""
-    distribution, _ = _name_and_version(entry[0])
-    return distribution not in OWN_DISTRIBUTIONS, distribution, entry[1]
-
-
-def _raise(problem: Exception) -> None:
-    raise PluginError(f"its entry_points.txt cannot be read: {problem}") from problem
-
-
-def _name_and_version(distribution: importlib.metadata.Distribution | None) -> tuple[str, str]:
-    try:
-        return str(distribution.name), str(distribution.version)  # type: ignore[union-attr]
-    except Exception:  # there is none, or its metadata is broken
-        return "?", "?"
+    distribution = entry.dist
+    name = str(distribution.name) if distribution else "?"
+    version = str(distribution.version) if distribution else "?"
+    return name not in OWN_DISTRIBUTIONS, name, version, entry.name

@@ -106,7 +106,7 @@ class Plugin:
     def fail(self, problem: BaseException) -> None:
         """Keep a failure, to be shown, and told when something that is missing is asked for."""
         self._manager = None
-        self.error = described(problem)
+        self.error = str(problem) if isinstance(problem, PluginError) else described(problem)
         self.traceback = "".join(traceback.format_exception(problem))
 
 

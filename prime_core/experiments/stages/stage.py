@@ -71,7 +71,7 @@ class Stage(BaseModel):
                 result = next(results)
             except PrimeError as error:
                 # The process that asked only sees that a worker failed.
-                self.error_file.write_text(str(error))
+                self.error_file.write_text(str(error), encoding="utf-8")
                 raise
             seconds = time.perf_counter() - start
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

@@ -37,6 +37,26 @@ def register_commands(register):
 """
 
 
+def install(folder: Path, distribution: str, module: str, source: str, entry: str = "") -> None:
+    """Install a pack of one module, as pip leaves it.
+
+    Args:
+        folder: That is on the path.
+        distribution: Its name.
+        module: Name of its module.
+        source: Of the module.
+        entry: Text of its entry points; by default one that is called as the module is.
+    """
+    (folder / f"{module}.py").write_text(source, encoding="utf-8")
+    metadata = folder / f"{distribution.replace('-', '_')}-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n"
+    )
+    text = entry or f"[prime]\n{module} = {module}\n"
+    (metadata / "entry_points.txt").write_text(text)
+
+
 def registering(body: str) -> str:
     """Return a pack whose hook for parsers does something."""
     inner = body.strip().replace("\n", "\n    ")
@@ -90,7 +110,9 @@ FAILING = {
     "a-name-of-markup": registering('register("[/red]", BadConfig)'),
     "a-name-that-is-a-class": registering("register(BadConfig, BadConfig)"),
     "a-generator": registering('register("bad/saw", BadConfig)\nyield 1\nraise OSError("gone")'),
-    "a-coroutine": registering('register("bad/saw", BadConfig)').replace("\ndef r", "\nasync def r"),
+    "a-coroutine": registering('register("bad/saw", BadConfig)').replace(
+        "\ndef r", "\nasync def r"
+    ),
     "asks-what-is-registered": registering(
         "from prime_core.registry.loading import load_plugins\n"
         'registry = load_plugins().registry\nregistry._entries["parser"].clear()'
@@ -104,15 +126,16 @@ FAILING = {
     "an-unknown-hook": registering("pass").replace("def register_parsers", "def register_saws"),
     "no-function-as-a-command": commanding('register("saw", 3)'),
     "a-command-that-is-none": commanding(
-        'def saw(wood: "dict[str, object]") -> None: ...\nregister("saw", saw)'
+        'def saw(wood: "NoSuchName") -> None: ...\nregister("saw", saw)'
     ),
     "exits-for-commands": commanding("raise SystemExit(4)"),
 }
 """Packs that cannot be loaded; nothing of them is registered."""
 
 WORKING = {
-    "prints": "import os, sys\nprint('NOISE')\nsys.__stdout__.write('NOISE')\nos.system('echo NOISE')\n"
-    "os.write(1, b'NOISE')\n" + registering("print('NOISE')\nregister('bad/saw', BadConfig)"),
+    "prints": "import os, sys\nprint('NOISE')\nsys.__stdout__.write('NOISE')\n"
+    "os.system('echo NOISE')\nos.write(1, b'NOISE')\n"
+    + registering("print('NOISE')\nregister('bad/saw', BadConfig)"),
     "prints-at-the-end": "import atexit\natexit.register(print, 'NOISE')\n"
     + registering("register('bad/saw', BadConfig)"),
     "closes-streams": "import sys\nsys.stdout.close()\nsys.stdin = None\nsys.stderr = None\n"
@@ -141,9 +164,9 @@ sys.excepthook = None
     "wraps": registering("register('bad/saw', BadConfig)\nyield\nreturn []").replace(
         "@hookimpl", "@hookimpl(wrapper=True, tryfirst=True)"
     ),
-    "wraps-as-of-old": registering("register('bad/saw', BadConfig)\n(yield).force_result([])").replace(
-        "@hookimpl", "@hookimpl(hookwrapper=True, trylast=True)"
-    ),
+    "wraps-as-of-old": registering(
+        "register('bad/saw', BadConfig)\n(yield).force_result([])"
+    ).replace("@hookimpl", "@hookimpl(hookwrapper=True, trylast=True)"),
     "spoils-what-it-is-given": registering(
         "register('bad/saw', BadConfig)\n"
         "for cell in register.__closure__:\n"
@@ -158,21 +181,3 @@ sys.excepthook = None
     + "\n@hookimpl\ndef register_parsers(register):\n    register('bad/saw', BadConfig)\n",
 }
 """Packs that can be loaded, and spoil nothing."""
-
-
-def install(folder: Path, distribution: str, module: str, source: str, entry: str = "") -> None:
-    """Install a pack of one module, as pip leaves it.
-
-    Args:
-        folder: That is on the path.
-        distribution: Its name.
-        module: Name of its module.
-        source: Of the module.
-        entry: Text of its entry points; by default one that is called as the module is.
-    """
-    (folder / f"{module}.py").write_text(source, encoding="utf-8")
-    metadata = folder / f"{distribution.replace('-', '_')}-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
-    text = entry or f"[prime]\n{module} = {module}\n"
-    (metadata / "entry_points.txt").write_text(text)
