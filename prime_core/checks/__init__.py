@@ -13,6 +13,7 @@ from prime_core.checks.policy import check_policy
 from prime_core.checks.primitive import check_primitive
 from prime_core.checks.requirement import CheckError
 from prime_core.checks.scene import check_description, check_scene
+from prime_core.checks.settings import check_settings
 
 __all__ = [
     "CheckError",
@@ -23,4 +24,5 @@ __all__ = [
     "check_policy",
     "check_primitive",
     "check_scene",
+    "check_settings",
 ]

@@ -3,12 +3,18 @@
 Commands import what they need when they are called, so that ``prime --help`` answers at once.
 """
 
+import functools
 import sys
+import traceback
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TextIO
 
 import typer
 
 from prime_core.cli.compare import compare
+from prime_core.cli.options import OWN_COMMANDS
+from prime_core.cli.output import answering, end_output, given_back, keep_output_apart
 from prime_core.cli.parse import parse
 from prime_core.cli.plugins import plugins
 from prime_core.cli.run import run
@@ -18,11 +24,36 @@ from prime_core.errors import PrimeError
 from prime_core.experiments.run_folder.place import place_error
 
 INTERRUPTED = 130
+KEPT = {run: "; what is finished is kept, and the same command goes on from there"}
+"""What is told of commands that are interrupted."""
 
 
-def build_app() -> typer.Typer:
-    """Return the command line, plugins' commands included."""
-    app = typer.Typer(
+def build_app(stream: TextIO) -> typer.Typer:
+    """Return the command line, plugins' commands included.
+
+    Args:
+        stream: Standard output, as `keep_output_apart` returned it.
+    """
+    app = _empty_app()
+    for command in (run, show, validate, parse, compare, plugins):
+        app.command()(_of_prime(command))
+    from prime_core.registry.loading import load_plugins
+
+    for name, claim in load_plugins().commands(OWN_COMMANDS).items():
+        try:
+            command = _of_pack(claim.what, stream)
+            alone = _empty_app()
+            alone.command(name)(command)
+            typer.main.get_command(alone)  # else a function that is no command fails all of them
+        except Exception as problem:  # a stranger's code
+            claim.plugin.fail(problem)
+        else:
+            app.command(name)(command)
+    return app
+
+
+def _empty_app() -> typer.Typer:
+    return typer.Typer(
         name="prime",
         help="Robot imitation learning with behaviour primitives.",
         no_args_is_help=True,
@@ -30,28 +61,53 @@ def build_app() -> typer.Typer:
         pretty_exceptions_enable=False,
         rich_markup_mode=None,  # rich renders Markdown: loading that takes longer than all else
     )
-    for command in (run, show, validate, parse, compare, plugins):
-        app.command()(command)
-    from prime_core.registry.loading import load_plugins
 
-    for name, function in load_plugins().commands.items():
-        app.command(name)(function)
-    return app
+
+def _of_prime(command: Callable[..., None]) -> Callable[..., None]:
+    """Keep what packs print out of a command's answer, and packs from ending it."""
+
+    @functools.wraps(command)
+    def answer(*arguments: Any, **options: Any) -> None:
+        try:
+            with answering():
+                command(*arguments, **options)
+        except KeyboardInterrupt:
+            print(f"prime: interrupted{KEPT.get(command, '')}", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+        except SystemExit as end:  # none of prime's commands ends so
+            place = traceback.extract_tb(end.__traceback__)[-1]
+            raise PrimeError(
+                f"{place.filename}, line {place.lineno}: calls sys.exit({end.code!r}), which ends "
+                "prime: it must raise an error"
+            ) from None
+
+    return answer
+
+
+def _of_pack(command: Callable[..., Any], stream: TextIO) -> Callable[..., Any]:
+    """Let a command of a pack print what it likes."""
+
+    @functools.wraps(command)
+    def answer(*arguments: Any, **options: Any) -> Any:
+        with given_back(stream):
+            return command(*arguments, **options)
+
+    return answer
 
 
 def main() -> None:
     """Run the command line; what a user can mend is told without a traceback."""
+    stream = keep_output_apart()
     try:
-        build_app()()
+        build_app(stream)()
     except PrimeError as error:
         print(f"prime: {error}", file=sys.stderr)
         sys.exit(1)
     except OSError as error:
-        told = place_error(error, Path())
-        if told is None:
-            raise
-        print(f"prime: {told}", file=sys.stderr)
+        print(f"prime: {place_error(error, Path()) or error}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
-        print("prime: interrupted; what is finished is kept", file=sys.stderr)
+        print("prime: interrupted", file=sys.stderr)
         sys.exit(INTERRUPTED)
+    finally:
+        end_output(stream)

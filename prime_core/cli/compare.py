@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.output import console, say
+
 
 def compare(
     results: Annotated[list[Path], typer.Argument(help="Folders of runs, or their results files.")],
@@ -15,9 +17,8 @@ def compare(
 
     rows = comparison.comparison_rows([comparison.read_results(path) for path in results])
     if markdown:
-        print(comparison.markdown(rows))
+        say(comparison.markdown(rows))
         return
-    from rich.console import Console
     from rich.table import Table
 
     table = Table()
@@ -25,4 +26,4 @@ def compare(
         table.add_column(title, justify="right" if number else "left", overflow="fold")
     for row in rows[1:]:
         table.add_row(*row)
-    Console().print(table)
+    console().print(table)

@@ -19,3 +19,5 @@ UntilOption = Annotated[
     str | None, typer.Option("--until", metavar="STAGE", help="The last stage to run.")
 ]
 RUNS = Path("runs")
+OWN_COMMANDS = ("run", "show", "validate", "parse", "compare", "plugins")
+"""Prime's own commands, whose names no plugin can take."""

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.output import console
+
 
 def parse(
     dataset: Annotated[
@@ -20,25 +22,24 @@ def parse(
     ] = False,
 ) -> None:
     """Parse demonstrations from elsewhere with the IDM of a run."""
-    from rich.console import Console
-
-    from prime_core.experiments.parse_dataset import parse_foreign
+    from prime_core.experiments.parse_dataset import beside, parse_foreign
     from prime_core.experiments.results.summaries import parsing_summary
 
-    console = Console()
-    target = out or dataset.with_name(dataset.stem + "-parsed")
+    screen = console()
+    target = out or beside(dataset)
     found = parse_foreign(dataset, run, target, strict)
     summary = parsing_summary([*found.parsed.values()])
-    console.print(
+    screen.print(
         f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "
         f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
         f"unexplained; {len(found.left_out)} left out.\nWritten to {target}",
         highlight=False,
+        markup=False,
         soft_wrap=True,
     )
     for number, names in zip(found.parsed, summary["sequences"], strict=True):
-        console.print(f"  {number}: {' '.join(names)}", highlight=False)
+        screen.print(f"  {number}: {' '.join(names)}", highlight=False, markup=False)
     for number, reason in found.left_out.items():
-        console.print(
+        screen.print(
             f"  {number} left out: {reason}", highlight=False, markup=False, soft_wrap=True
         )

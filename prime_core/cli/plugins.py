@@ -4,6 +4,9 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.options import OWN_COMMANDS
+from prime_core.cli.output import console
+
 
 def plugins(
     traceback: Annotated[
@@ -11,34 +14,29 @@ def plugins(
     ] = False,
 ) -> None:
     """List plugins, what each registers, and what could not be loaded and why."""
-    from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     from prime_core.registry.loading import load_plugins
 
-    console = Console()
+    screen = console()
     found = load_plugins()
+    registry, commands = found.registry, found.commands(OWN_COMMANDS)
     table = Table()
     for column in ("distribution", "version", "registers"):
         table.add_column(column, overflow="fold")
-    registry = found.registry
     for plugin in found.found:
+        names = {
+            kind: [item.name for item in registry.registrations(kind) if item.plugin is plugin]
+            for kind in registry.kinds
+        }
+        names["command"] = [name for name, item in commands.items() if item.plugin is plugin]
+        what = Text("\n".join(f"{kind}: {', '.join(names[kind])}" for kind in names if names[kind]))
         if plugin.error:
-            what = f"[red]could not be loaded:[/] {plugin.error}"
-        else:
-            what = "\n".join(
-                f"{kind}: " + ", ".join(names)
-                for kind in registry.kinds
-                if (
-                    names := [
-                        entry.name
-                        for entry in registry.registrations(kind)
-                        if entry.plugin == plugin.name
-                    ]
-                )
-            )
-        table.add_row(plugin.distribution, plugin.version, what)
-    console.print(table)
+            what = Text.assemble(("could not be loaded: ", "red"), plugin.error)
+        # Text, for what packs say may look like rich's markup.
+        table.add_row(Text(plugin.distribution), Text(plugin.version), what)
+    screen.print(table)
     for plugin in found.found:
         if plugin.error and traceback:
-            console.print(f"[red]{plugin.name}[/]\n{plugin.traceback}", highlight=False)
+            screen.print(Text.assemble((plugin.name, "red"), "\n", plugin.traceback))

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from prime_core.cli.options import RUNS, ExperimentArgument, OutOption, SetOption, UntilOption
+from prime_core.cli.output import console
 
 
 def run(
@@ -19,7 +20,7 @@ def run(
     ] = False,
 ) -> None:
     """Run an experiment: what is done is kept, what depends on a change is done again."""
-    from rich.console import Console
+    from rich.markup import escape
 
     from prime_core.errors import PrimeError
     from prime_core.experiments.experiment import Experiment
@@ -34,21 +35,21 @@ def run(
 
     if keep and remake:
         raise PrimeError("--keep and --remake: say one of them")
-    console = Console()
+    screen = console()
     config = read_experiment(experiment, set_ or ())
     folder = out / config.name
     if until is not None:
         Experiment(config, folder).until(until)  # before anything is written
 
     def say(text: str) -> None:
-        console.print(f"[yellow]![/] {text}", highlight=False, soft_wrap=True)
+        screen.print(f"[yellow]![/] {escape(text)}", highlight=False, soft_wrap=True)
 
     with place_told(folder), alone_in(folder, say):
         word = OtherCode.KEEP if keep else OtherCode.REMAKE if remake else OtherCode.ASK
-        job = open_experiment(config, folder, console, word)
-        run_experiment(job, console, until)
+        job = open_experiment(config, folder, screen, word)
+        run_experiment(job, screen, until)
         results = write_results(job, ["prime", *sys.argv[1:]])
         links = link_outputs(job)
-    console.print(summary_table(results))
+    screen.print(summary_table(results))
     for path in links:
-        console.print(f"  {path}", highlight=False)
+        screen.print(f"  {path}", highlight=False, markup=False)

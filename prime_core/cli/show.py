@@ -1,11 +1,11 @@
 """``prime show``."""
 
 from prime_core.cli.options import RUNS, ExperimentArgument, OutOption, SetOption
+from prime_core.cli.output import console
 
 
 def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption = RUNS) -> None:
     """Show an experiment with all defaults, which of its stages are done, and where."""
-    from rich.console import Console
     from rich.syntax import Syntax
 
     from prime_core.experiments.experiment import Experiment
@@ -13,16 +13,17 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
     from prime_core.experiments.results.table import stage_table
     from prime_core.experiments.run_folder.outputs import is_of_others
 
-    console = Console()
+    screen = console()
     config = read_experiment(experiment, set_ or ())
-    console.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
+    screen.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
     job = Experiment(config, out / config.name)
-    console.print(f"in {job.folder}:", highlight=False)
-    console.print(stage_table(job))
+    screen.print(f"in {job.folder}:", highlight=False, markup=False)
+    screen.print(stage_table(job))
     if is_of_others(job.folder, dump_experiment(config), job.identity):
-        console.print(
+        screen.print(
             f"The results in {job.folder} are those of other settings, data or code: 'prime run' "
             "sets them aside.",
             highlight=False,
+            markup=False,
             soft_wrap=True,
         )

@@ -1,6 +1,7 @@
 """``prime validate``."""
 
 from prime_core.cli.options import ExperimentArgument, SetOption
+from prime_core.cli.output import say
 
 
 def validate(experiment: ExperimentArgument, set_: SetOption = None) -> None:
@@ -11,4 +12,4 @@ def validate(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     names = f"policies: {', '.join(config.policies)}"
     if config.variants:
         names += f"; variants: {', '.join(config.variants)}"
-    print(f"{experiment}: experiment {config.name!r} is right ({names})")
+    say(f"{experiment}: experiment {config.name!r} is right ({names})")

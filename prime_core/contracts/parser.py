@@ -6,9 +6,9 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from prime_core.configuration import Config
+from prime_core.configuration import Config, Count
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +52,9 @@ class Parser(ABC):
 class ParserConfig(Config):
     """Settings that all parsers share; what packs register."""
 
-    minimum_steps: int = Field(5, ge=1)
+    minimum_steps: Count = 5
     """Motor actions of the shortest segment."""
-    maximum_steps: int = Field(200, ge=1)
+    maximum_steps: Count = 200
     """Motor actions of the longest segment."""
     score: Literal["type", "joint"] = "type"
     """``type`` scores a pair by IDM_prim(p | s, s') alone, as the authors' release does;

@@ -2,14 +2,18 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field
 
+from prime_core.configuration import GREATEST_COUNT, LocalPath
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.datasets.read import count_episodes, read_demonstrations
 from prime_core.errors import DemonstrationError
+
+Index = Annotated[int, Field(ge=0, lt=GREATEST_COUNT)]
 
 _descriptions: dict[tuple[type[EnvironmentConfig], str], SceneDescription] = {}
 
@@ -21,15 +25,15 @@ class LeRobotDemonstratorConfig(RecordedDemonstratorConfig):
     our order.
     """
 
-    path: Path
+    path: LocalPath
     """Folder of the data set."""
-    episodes: tuple[int, ...] | None = Field(None, min_length=1)
+    episodes: tuple[Index, ...] | None = Field(None, min_length=1)
     """Indices of the episodes to take, in this order; all if null."""
 
     @classmethod
     def reads(cls, source: Path) -> bool:
-        """Whether it is a folder: whether it holds a data set is found out by reading it."""
-        return source.is_dir()
+        """Whether it looks like one: packs may read other folders."""
+        return (source / "meta").is_dir()
 
     def count_available(self) -> int:
         """How many demonstrations it gives."""

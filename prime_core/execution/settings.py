@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from prime_core.configuration import Config
+from prime_core.configuration import GREATEST_COUNT, Config, Count, Seed
 
 
 class RunnerConfig(Config):
@@ -19,7 +19,7 @@ class RunnerConfig(Config):
     """Whether a call that the arm cannot do gives way to the policy's next candidate."""
     turn_unreachable: bool = True
     """Whether it is first tried with the gripper turned to another yaw; if they are left out."""
-    repeats: int | None = Field(2, ge=1)
+    repeats: Count | None = 2
     """How often like calls are made with all things in the same place; null for any number."""
     leave_out_without_effect: bool = True
     """Whether a primitive whose call changed nothing is not offered until something has changed."""
@@ -46,15 +46,15 @@ def _plain_by_name(value: Any) -> Any:
 class EvaluationConfig(Config):
     """Settings of the evaluation (paper, section IV-B)."""
 
-    trials: int = Field(50, ge=1)
+    trials: int = Field(50, ge=1, le=10_000)
     """Trials of each checkpoint."""
-    top_checkpoints: int = Field(5, ge=1)
+    top_checkpoints: Count = 5
     """The best checkpoints of a seed, whose success rates are averaged."""
-    fresh_trials: int = Field(200, ge=0)
+    fresh_trials: int = Field(200, ge=0, le=GREATEST_COUNT)
     """Trials of the last checkpoint, on first states of their own."""
-    maximum_steps: int = Field(400, ge=1)
+    maximum_steps: int = Field(400, ge=1, le=10_000)
     """Motor actions of a trial at most."""
-    seed: int = Field(1, ge=0)
+    seed: Seed = 1
     """Of the trials' first states; no other stage draws from it."""
     runner: Annotated[RunnerConfig, BeforeValidator(_plain_by_name)] = RunnerConfig()
     """How a policy over primitives is run: ``plain`` as in the paper, or with these settings."""

@@ -18,7 +18,7 @@ class ComputeConfig(Config):
     run's folder and this environment under the same paths."""
     device: Literal["auto", "cpu", "cuda"] = "auto"
     """Where networks compute: ``auto`` takes a GPU if there is one."""
-    workers: int = Field(2, ge=0)
+    workers: int = Field(2, ge=0, le=10_000)
     """Processes or jobs that share the work of a stage; 0 does it all in the process itself."""
     partition: str | None = None
     """Of Slurm; its default if there is none."""
@@ -28,9 +28,9 @@ class ComputeConfig(Config):
     """Of Slurm."""
     constraint: str | None = None
     """Of Slurm, on what nodes there are."""
-    memory_gb: float = Field(3.0, gt=0)
+    memory_gb: float = Field(3.0, ge=0.1, le=100_000)
     """Of a Slurm job."""
-    minutes: int = Field(720, ge=1)
+    minutes: int = Field(720, ge=1, le=525_600)
     """That a Slurm job may take; what it has finished by then is kept."""
     setup: tuple[str, ...] = ()
     """Shell commands at the start of a Slurm job, such as ``module load ...``."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from prime_core.configuration import Config
 from prime_core.contracts.demonstration import (
     Demonstration,
     DemonstratorConfig,
@@ -16,6 +17,7 @@ from prime_core.experiments.run_folder.outputs import check_resolved
 from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
+from prime_core.registry.contained import contained
 from prime_core.registry.fields import read_settings
 from prime_core.registry.loading import load_plugins
 from prime_core.reporting.overview import draw_timelines_overview
@@ -37,6 +39,20 @@ def open_run(folder: Path) -> Experiment:
         )
     check_resolved(folder)
     return Experiment(read_experiment(path), folder)
+
+
+def beside(source: Path) -> Path:
+    """Return where the parsed data set of a source is written unless told: beside it.
+
+    Raises:
+        ConfigurationError: If nothing can lie beside it.
+    """
+    # A name such as ``..`` is not the folder's own. The whole name counts, what looks like a suffix
+    # too: of set.v1.0 and set.v1.1, neither may take the other's place.
+    whole = source if source.name not in ("", "..") else source.resolve()
+    if not whole.name:
+        raise ConfigurationError(f"{source}: nothing can lie beside it: say --out FOLDER")
+    return whole.with_name(f"{whole.name}-parsed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +122,24 @@ def _demonstrator_of(source: Path) -> DemonstratorConfig:
         reason = getattr(error, "strerror", None) or error
         raise DatasetError(f"{source}: cannot be read: {reason}") from None
     registrations = load_plugins().registry.registrations("demonstrator")
-    for entry in registrations:
-        if issubclass(entry.config_class, DemonstratorConfig) and entry.config_class.reads(source):
+    # Prime's own first: no pack takes what they read.
+    for entry in sorted(registrations, key=lambda entry: not entry.plugin.is_own):
+        if _reads(entry.config_class, source):
             return read_settings(DemonstratorConfig, {"type": entry.name, "path": str(source)})
     raise DatasetError(
         f"{source}: nothing that is installed reads it: it must be a LeRobot data set's folder, or "
         f"a file for one of {', '.join(entry.name for entry in registrations)}"
     )
+
+
+def _reads(config_class: type[Config], source: Path) -> bool:
+    """Whether settings say that they read a source; those that fail do not."""
+    if not issubclass(config_class, DemonstratorConfig):
+        return False
+    try:
+        return bool(contained(lambda: config_class.reads(source)))
+    except Exception:  # a stranger's code
+        return False
 
 
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:

@@ -8,9 +8,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from submitit.core.utils import FailedJobError, UncompletedJobError
+from submitit.local import local
 
 from prime_core.errors import PrimeError
 from prime_core.experiments.compatibility import check_environments
@@ -66,7 +69,7 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         except PrimeError as error:
             if not stage.optional or isinstance(error, PlaceError):
                 raise
-            console.print(f"[yellow]-[/] {name} left out: {error}", highlight=False)
+            console.print(f"[yellow]-[/] {name} left out: {escape(str(error))}", highlight=False)
             continue
         console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
         _tell_left_out(console, stage, experiment.config.strict)
@@ -148,7 +151,7 @@ def _told(stage: Stage, error: Exception) -> PrimeError | None:
 
 def _text_of(path: Path) -> str:
     try:
-        return path.read_text().strip()
+        return path.read_text(encoding="utf-8").strip()
     except OSError:
         return ""
 
@@ -159,6 +162,31 @@ def wall_seconds(stage: Stage) -> float:
         return float((stage.folder / "wall_seconds.txt").read_text())
     except (OSError, ValueError):
         return 0.0
+
+
+@contextmanager
+def _quiet_at_interrupts() -> Iterator[None]:
+    """Start the processes that watch submitit's local jobs without a stderr of their own.
+
+    Ctrl-C in a terminal ends them too, each with a traceback. What jobs print goes to their logs.
+    """
+    start = local.start_controller
+
+    def quietly(*arguments: Any, **options: Any) -> Any:
+        kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, 2)
+        try:
+            return start(*arguments, **options)
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            os.close(nothing)
+
+    local.start_controller = quietly
+    try:
+        yield
+    finally:
+        local.start_controller = start
 
 
 @contextmanager
@@ -174,7 +202,7 @@ def _ready_for_workers(stage: Stage) -> Iterator[None]:
     level = logger.level
     logger.setLevel(logging.ERROR)  # its warnings hold tracebacks
     try:
-        with jobs_watched_in_queue():
+        with jobs_watched_in_queue(), _quiet_at_interrupts():
             yield
     finally:
         logger.setLevel(level)

@@ -7,7 +7,7 @@ from typing import Any, Self
 from pydantic import Field, TypeAdapter, field_validator, model_validator
 
 from prime_core.collection.settings import CollectionConfig
-from prime_core.configuration import Config
+from prime_core.configuration import Config, Seed
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.compute import ComputeConfig
 from prime_core.experiments.variants import Changes, with_changes
@@ -36,7 +36,7 @@ class ExperimentConfig(Config):
 
     name: str
     """Of the folder under ``runs/``."""
-    seed: int = Field(0, ge=0)
+    seed: Seed = 0
     """Of demonstrations, collection and the IDM."""
     environment: EnvironmentChoice
     """Where the task is."""
@@ -58,7 +58,7 @@ class ExperimentConfig(Config):
     """What the policies are trained on."""
     policies: dict[str, PolicyChoice] = Field(min_length=1)
     """Policies to train and compare, by names of your choice."""
-    seeds: tuple[int, ...] = Field((1, 2, 3), min_length=1)
+    seeds: tuple[Seed, ...] = Field((1, 2, 3), min_length=1)
     """Of the policies' trainings."""
     evaluation: EvaluationConfig = EvaluationConfig()
     """How policies are evaluated."""
@@ -84,7 +84,7 @@ class ExperimentConfig(Config):
 
     @field_validator("seeds")
     @classmethod
-    def _seeds_differ(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
+    def _seeds_differ(cls, seeds: tuple[Seed, ...]) -> tuple[int, ...]:
         if len(set(seeds)) != len(seeds):
             raise ValueError(f"found {list(seeds)}: each seed may be named once only")
         return seeds

@@ -27,7 +27,7 @@ class AugmentationConfig(Config):
     """Share of a segment, from its start, whose frames the parameter network learns from. Later on
     the gripper has turned to where it will be: who learns from that leaves it as it is. In the
     paper it is 1."""
-    type_margin: int = Field(11, ge=0)
+    type_margin: int = Field(11, ge=0, le=10_000)
     """Steps at the end of a segment that the type network does not learn from."""
 
 

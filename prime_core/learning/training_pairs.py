@@ -16,13 +16,13 @@ LEFT = 0.03  # [m] from which on a hand has left the place where a rollout ended
 class PairConfig(Config):
     """Settings of the training pairs."""
 
-    hard_negatives: float = Field(1.0, ge=0)
+    hard_negatives: float = Field(1.0, ge=0, le=100)
     """Pairs of `other` made of the start of one rollout and the end of another rollout of the
     same primitive in another episode, per rollout."""
-    jitter_steps: int = Field(10, ge=0)
+    jitter_steps: int = Field(10, ge=0, le=10_000)
     """Each rollout is also given to the parameter network with both ends moved by up to this
     many steps."""
-    jittered_copies: int = Field(0, ge=0)
+    jittered_copies: int = Field(0, ge=0, le=100)
     """How often; the paper's release does it once. Here primitives end within a millimetre of
     their parameters, and with jitter the median error is greater."""
 

@@ -33,9 +33,11 @@ def score_pairs(
     Returns:
         The scores, for a parser.
     """
-    pairs = all_pairs(len(features), config.minimum_steps, config.maximum_steps)
+    # No segment is longer than the demonstration, whatever the limit is.
+    maximum_steps = max(config.minimum_steps, min(config.maximum_steps, len(features) - 1))
+    pairs = all_pairs(len(features), config.minimum_steps, maximum_steps)
     classes = len(idm.space.names) + 1
-    lengths = config.maximum_steps - config.minimum_steps + 1
+    lengths = maximum_steps - config.minimum_steps + 1
     scores = np.full((len(features), lengths, classes), -np.inf)
     for first in range(0, len(pairs), CHUNK):
         chunk = pairs[first : first + CHUNK]

@@ -11,7 +11,8 @@ from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.parser import ParserConfig
 from prime_core.contracts.policy import PolicyConfig
 from prime_core.contracts.primitive import PrimitiveConfig
-from prime_core.errors import ConfigurationError, UnknownTypeError
+from prime_core.errors import ConfigurationError, PluginError, PrimeError, UnknownTypeError
+from prime_core.registry.contained import described
 from prime_core.registry.kinds import KINDS
 from prime_core.registry.loading import load_plugins
 
@@ -26,6 +27,7 @@ def validate_choice(kind: str, value: Any) -> Config:
     Raises:
         ValueError: If ``type`` is missing or unknown.
         pydantic.ValidationError: If another key is wrong.
+        PluginError: If the settings' own code fails.
     """
     registry = load_plugins().registry
     if isinstance(value, registry.base(kind)):
@@ -38,7 +40,14 @@ def validate_choice(kind: str, value: Any) -> Config:
         config_class = registry.config_class(kind, value["type"])
     except UnknownTypeError as problem:
         raise ValueError(str(problem)) from problem
-    return config_class.model_validate({key: value[key] for key in value if key != "type"})
+    try:
+        return config_class.model_validate({key: value[key] for key in value if key != "type"})
+    except (ValueError, PrimeError):
+        raise
+    except Exception as problem:
+        raise PluginError(
+            f"{kind} {value['type']!r}: its settings cannot be read: {described(problem)}"
+        ) from problem
 
 
 def read_settings[AnyConfig: Config](base: type[AnyConfig], dump: ConfigDump) -> AnyConfig:

@@ -1,63 +1,36 @@
 """Finds plugins through entry points and asks them what they register."""
 
 import importlib.metadata
-import traceback
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-import pluggy
-
 from prime_core import hookspecs
 from prime_core.errors import PluginError
+from prime_core.registry.claims import check_settings_class, settled
+from prime_core.registry.contained import is_contained
+from prime_core.registry.plugin import OWN_DISTRIBUTIONS, Claim, Plugin
 
 if TYPE_CHECKING:
     from prime_core.registry.table import Registry
-
-
-@dataclass(eq=False)
-class Plugin:
-    """A plugin as it was found.
-
-    Attributes:
-        name: Of its entry point.
-        distribution: Name of the installed distribution.
-        version: Of the distribution.
-        manager: Calls its hooks; None if it could not be imported.
-        error: Why it, or a part of it, could not be loaded, in a line; None if it was.
-        traceback: The whole story of the error.
-    """
-
-    name: str
-    distribution: str
-    version: str
-    manager: pluggy.PluginManager | None = field(default=None, repr=False)
-    error: str | None = None
-    traceback: str = field(default="", repr=False)
-
-    def call(self, hook: str, register: Callable[..., None]) -> None:
-        """Call one of the plugin's hooks."""
-        if self.manager is not None:
-            getattr(self.manager.hook, hook)(register=register)
-
-    def fail(self, problem: Exception) -> None:
-        """Keep a failure, to be shown, and raised when one of the plugin's types is asked for."""
-        self.manager = None
-        self.error = f"{type(problem).__name__}: {problem}".splitlines()[0]
-        self.traceback = "".join(traceback.format_exception(problem))
 
 
 class Plugins:
     """The plugins of an installation, and what they register.
 
     Their types are registered when the registry is first asked for: the command line's help
-    needs the commands alone, and importing settings takes its time.
+    needs the commands alone, and importing settings takes its time. A plugin registers all that it
+    wants to, or nothing.
     """
 
     def __init__(self) -> None:
-        self.found: list[Plugin] = []
-        self.commands: dict[str, Callable[..., Any]] = {}
+        self._found: list[Plugin] = []
+        self._commands: list[Claim] = []
+
+    @property
+    def found(self) -> tuple[Plugin, ...]:
+        """All plugins, those included that could not be loaded."""
+        return tuple(self._found)
 
     def add(self, name: str, load: Callable[[], Any], distribution: str, version: str) -> None:
         """Import one plugin and ask for its commands; a failure is kept, not raised.
@@ -69,12 +42,23 @@ class Plugins:
             version: Of the distribution.
         """
         plugin = Plugin(name, distribution, version)
-        self.found.append(plugin)
+        self._found.append(plugin)
         try:
-            plugin.manager = _manager(name, load())
-            plugin.call("register_commands", self._register_command)
+            plugin.load(load)
+            self._commands += plugin.claims("register_commands", _check_command)
         except Exception as problem:  # a stranger's code: whatever it raises is kept
             plugin.fail(problem)
+
+    def commands(self, own: Collection[str] = ()) -> dict[str, Claim]:
+        """Return commands by name, of plugins that could be loaded.
+
+        Args:
+            own: Names of commands that are prime's.
+        """
+        prime = Plugin("prime", "prime-core", "")
+        claims = [claim for claim in self._commands if claim.plugin.error is None]
+        found = settled([*(Claim(name, None, prime) for name in own), *claims])
+        return {name: claim for name, claim in found.items() if claim.plugin is not prime}
 
     @cached_property
     def registry(self) -> "Registry":
@@ -82,53 +66,50 @@ class Plugins:
         from prime_core.registry.kinds import KINDS
         from prime_core.registry.table import Registry
 
-        registry = Registry({name: kind.base for name, kind in KINDS.items()})
-        for plugin in self.found:
+        claims: dict[str, list[Claim]] = {kind: [] for kind in KINDS}
+        for plugin in self._found:
             try:
-                for name, kind in KINDS.items():
-                    plugin.call(kind.hook, partial(_register_type, registry, name, plugin.name))
+                theirs = {
+                    name: plugin.claims(
+                        kind.hook, partial(check_settings_class, kind=name, base=kind.base)
+                    )
+                    for name, kind in KINDS.items()
+                }
             except Exception as problem:  # as above
-                registry.remove(plugin.name)
                 plugin.fail(problem)
-        registry.advice = "".join(
+                continue
+            for kind, found in theirs.items():
+                claims[kind] += found
+        advice = "".join(
             f"\nPlugin {item.name!r} ({item.distribution} {item.version}) could not be loaded, "
             f"it may hold what you ask for: {item.error}. `prime plugins` tells more."
-            for item in self.found
+            for item in self._found
             if item.error
         )
-        return registry
-
-    def _register_command(self, name: str, command: Callable[..., Any]) -> None:
-        if name in self.commands:
-            raise PluginError(f"it registers the command {name!r}, which there is already")
-        self.commands[name] = command
+        bases = {name: kind.base for name, kind in KINDS.items()}
+        return Registry(bases, {kind: settled(found) for kind, found in claims.items()}, advice)
 
 
-def _register_type(
-    registry: "Registry", kind: str, plugin: str, name: str, config_class: type[Any]
-) -> None:
-    registry.register(kind, name, config_class, plugin)
+def _check_command(name: str, command: Any) -> None:
+    if not callable(command):
+        raise PluginError(f"it registers {command!r} as command {name!r}: it must be a function")
 
 
-def _manager(name: str, module: Any) -> pluggy.PluginManager:
-    manager = pluggy.PluginManager(hookspecs.GROUP)
-    manager.add_hookspecs(hookspecs)
-    manager.register(module, name)
-    try:
-        manager.check_pending()
-    except pluggy.PluginValidationError as problem:
-        known = ", ".join(hook for hook in dir(hookspecs) if hook.startswith("register_"))
-        raise PluginError(f"{problem}. The hooks there are: {known}") from problem
-    if not manager.get_hookcallers(module):
+def load_plugins() -> Plugins:
+    """Return the plugins of this installation; the first call imports them.
+
+    Raises:
+        PluginError: If a plugin asks while plugins are being loaded.
+    """
+    if is_contained():
         raise PluginError(
-            "it implements no hook: decorate one of its functions with `prime_core.hookimpl`"
+            "it asks what is registered while plugins register: ask when something is built"
         )
-    return manager
+    return _load_plugins()
 
 
 @cache
-def load_plugins() -> Plugins:
-    """Return the plugins of this installation; the first call imports them."""
+def _load_plugins() -> Plugins:
     plugins = Plugins()
 
     def core() -> Any:
@@ -137,12 +118,14 @@ def load_plugins() -> Plugins:
         return builtin
 
     plugins.add("core", core, "prime-core", importlib.metadata.version("prime-core"))
-    for entry in sorted(importlib.metadata.entry_points(group=hookspecs.GROUP)):
-        distribution = entry.dist
-        plugins.add(
-            entry.name,
-            entry.load,
-            distribution.name if distribution else "?",
-            distribution.version if distribution else "?",
-        )
+    for entry in sorted(importlib.metadata.entry_points(group=hookspecs.GROUP), key=_place):
+        plugins.add(entry.name, entry.load, *_place(entry)[1:3])
     return plugins
+
+
+def _place(entry: importlib.metadata.EntryPoint) -> tuple[bool, str, str, str]:
+    """Return what plugins are put in order by: prime's first, before any other can do harm."""
+    distribution = entry.dist
+    name = str(distribution.name) if distribution else "?"
+    version = str(distribution.version) if distribution else "?"
+    return name not in OWN_DISTRIBUTIONS, name, version, entry.name

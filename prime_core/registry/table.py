@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from prime_core.configuration import Config, ConfigDump
 from prime_core.errors import PluginError, UnknownTypeError
+from prime_core.registry.plugin import Claim, Plugin
 
 
 @dataclass(frozen=True)
@@ -15,54 +15,40 @@ class Registration:
     Attributes:
         name: What YAML calls it after ``type:``.
         config_class: The settings that the name stands for.
-        plugin: Name of the plugin that registered it.
+        plugin: The plugin that registered it.
     """
 
     name: str
     config_class: type[Config]
-    plugin: str
+    plugin: Plugin
 
 
 class Registry:
     """Names of each kind, such as ``environment``, and the settings they stand for.
 
     Args:
-        kinds: For each kind, the class that its settings must derive from.
+        bases: For each kind, the class that its settings derive from.
+        claims: For each kind, what each name stands for.
+        advice: What the error for an unknown name ends with.
     """
 
-    def __init__(self, kinds: Mapping[str, type[Config]]) -> None:
-        self._bases = dict(kinds)
-        self._entries: dict[str, dict[str, Registration]] = {kind: {} for kind in kinds}
+    def __init__(
+        self,
+        bases: Mapping[str, type[Config]],
+        claims: Mapping[str, Mapping[str, Claim]],
+        advice: str = "",
+    ) -> None:
+        self._bases = dict(bases)
+        self._advice = advice
+        self._entries = {
+            kind: {name: Registration(name, item.what, item.plugin) for name, item in found.items()}
+            for kind, found in claims.items()
+        }
+        everything = [entry for found in self._entries.values() for entry in found.values()]
         self._names: dict[type[Config], str] = {}
-        self.advice = ""
-        """What the error for an unknown name ends with."""
-
-    def register(self, kind: str, name: str, config_class: type[Any], plugin: str) -> None:
-        """Register settings under a name.
-
-        Raises:
-            PluginError: If the name is taken or the class is not of the kind.
-        """
-        base = self._bases[kind]
-        if not (isinstance(config_class, type) and issubclass(config_class, base)):
-            raise PluginError(
-                f"plugin {plugin!r} registers {config_class!r} as {kind} {name!r}: "
-                f"it must be a subclass of {base.__module__}.{base.__qualname__}"
-            )
-        taken = self._entries[kind].get(name)
-        if taken is not None:
-            raise PluginError(
-                f"plugin {plugin!r} registers {kind} {name!r}, which plugin {taken.plugin!r} "
-                "has registered already: one of them must choose another name"
-            )
-        self._entries[kind][name] = Registration(name, config_class, plugin)
-        self._names[config_class] = name
-
-    def remove(self, plugin: str) -> None:
-        """Forget all that a plugin registered."""
-        for entries in self._entries.values():
-            for name in [name for name, entry in entries.items() if entry.plugin == plugin]:
-                del self._names[entries.pop(name).config_class]
+        for entry in sorted(everything, key=_distance_to_its_own):
+            # A pack may give another pack's settings a second name, not rename them.
+            self._names.setdefault(entry.config_class, entry.name)
 
     def registrations(self, kind: str) -> list[Registration]:
         """Return what is registered of a kind, by name."""
@@ -81,7 +67,7 @@ class Registry:
         """
         entry = self._entries[kind].get(name)
         if entry is None:
-            raise UnknownTypeError(kind, name, self._entries[kind], self.advice)
+            raise UnknownTypeError(kind, name, self._entries[kind], self._advice)
         return entry.config_class
 
     def base(self, kind: str) -> type[Config]:
@@ -102,3 +88,10 @@ class Registry:
     def dump(self, config: Config) -> ConfigDump:
         """Return settings as plain data with their ``type``, defaults written out."""
         return {"type": self.name_of(config), **config.model_dump(mode="json")}
+
+
+def _distance_to_its_own(entry: Registration) -> int:
+    """Return how far settings are from being the plugin's own."""
+    if entry.plugin.is_own:
+        return 0
+    return 1 if entry.config_class.__module__.partition(".")[0] == entry.plugin.package else 2

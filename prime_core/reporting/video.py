@@ -66,7 +66,9 @@ def _encode(av: Any, path: Path, frames: Picture | Sequence[Picture], fps: int) 
     height, width = frames[0].shape[:2]
     # The codec halves the resolution of colour, so both sizes must be even: repeat the edge.
     padding = ((0, height % 2), (0, width % 2), (0, 0))
-    encoder = next((name for name in ENCODERS if name in av.codecs_available), ENCODERS[-1])
+    encoder = next((name for name in ENCODERS if name in av.codecs_available), None)
+    if encoder is None:
+        raise PrimeError("this PyAV was built without an encoder of H.264: pip install av")
     with av.open(str(path), mode="w", format="mp4", options={"movflags": "faststart"}) as container:
         stream = container.add_stream(encoder, rate=fps, options={"crf": QUALITY})
         stream.height, stream.width = height + height % 2, width + width % 2

@@ -28,9 +28,9 @@ def register_primitives(register: Register) -> None:
 class LiftConfig(PrimitiveConfig):
     """Settings of the primitive lift."""
 
-    highest: float = Field(0.15, gt=LOWEST)
+    highest: float = Field(0.15, gt=LOWEST, le=1)
     """Greatest height to rise by [m]."""
-    tolerance: float = Field(0.01, gt=0)
+    tolerance: float = Field(0.01, ge=0.001, le=0.1)
     """How far from the goal the gripper may end [m]."""
 
     def build(self, description: SceneDescription) -> "Lift":

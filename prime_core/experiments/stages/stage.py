@@ -86,7 +86,7 @@ class Stage(BaseModel):
             except PrimeError as error:
                 # The process that asked only sees that a worker failed.
                 with contextlib.suppress(OSError):
-                    self.error_file.write_text(str(error))
+                    self.error_file.write_text(str(error), encoding="utf-8")
                 raise
             seconds = time.perf_counter() - start
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

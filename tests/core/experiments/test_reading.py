@@ -78,7 +78,7 @@ def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
         (
             "name: lift",
             "name: lift\nname: tidy",
-            "FILE, line 2, column 1: not YAML: the key 'name' st",
+            "FILE, line 3, column 1: not YAML: the key 'name' st",
         ),
         ("name: lift", "name: [lift", "FILE, line 3"),
         (

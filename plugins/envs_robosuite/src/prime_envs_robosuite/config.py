@@ -1,10 +1,14 @@
 """Settings of the environments."""
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from pydantic import PositiveInt
+from pydantic import Field
 
+from prime_core.configuration import Count
 from prime_core.contracts.environment import Environment, EnvironmentConfig
+
+if TYPE_CHECKING:
+    from prime_envs_robosuite.tasks.task import Task
 
 
 class RobosuiteConfig(EnvironmentConfig):
@@ -19,11 +23,22 @@ class RobosuiteConfig(EnvironmentConfig):
     """Cameras whose images are part of the observations: ``agentview``, ``wrist``, or any of
     robosuite's."""
 
-    image_size: PositiveInt = 84
+    image_size: int = Field(84, ge=1, le=4096)
     """Height and width of those images [pixels]."""
 
-    horizon: PositiveInt | None = None
+    horizon: Count | None = None
     """Steps after which an episode is truncated; none by default."""
+
+    def _around(self, task: "Task") -> Environment:
+        """Make the environment of a task."""
+        from prime_envs_robosuite.simulation.mujoco_import import import_mujoco
+
+        import_mujoco()
+        from prime_envs_robosuite.environment import RobosuiteEnvironment
+
+        return RobosuiteEnvironment(
+            task, self.stepping, self.cameras, self.image_size, self.horizon
+        )
 
 
 class LiftConfig(RobosuiteConfig):
@@ -34,12 +49,9 @@ class LiftConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.environment import RobosuiteEnvironment
         from prime_envs_robosuite.tasks.lift import LiftTask
 
-        return RobosuiteEnvironment(
-            LiftTask(), self.stepping, self.cameras, self.image_size, self.horizon
-        )
+        return self._around(LiftTask())
 
 
 class NutAssemblyConfig(RobosuiteConfig):
@@ -54,16 +66,9 @@ class NutAssemblyConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.environment import RobosuiteEnvironment
         from prime_envs_robosuite.tasks.nut_assembly import NutAssemblyTask
 
-        return RobosuiteEnvironment(
-            NutAssemblyTask(self.nut, self.initial_range),
-            self.stepping,
-            self.cameras,
-            self.image_size,
-            self.horizon,
-        )
+        return self._around(NutAssemblyTask(self.nut, self.initial_range))
 
 
 class PickPlaceConfig(RobosuiteConfig):
@@ -74,12 +79,9 @@ class PickPlaceConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.environment import RobosuiteEnvironment
         from prime_envs_robosuite.tasks.pick_place import PickPlaceTask
 
-        return RobosuiteEnvironment(
-            PickPlaceTask(self.object), self.stepping, self.cameras, self.image_size, self.horizon
-        )
+        return self._around(PickPlaceTask(self.object))
 
 
 class TidyUpConfig(RobosuiteConfig):
@@ -90,12 +92,9 @@ class TidyUpConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.environment import RobosuiteEnvironment
         from prime_envs_robosuite.tasks.tidy_up import TidyUpTask
 
-        return RobosuiteEnvironment(
-            TidyUpTask(self.variant), self.stepping, self.cameras, self.image_size, self.horizon
-        )
+        return self._around(TidyUpTask(self.variant))
 
 
 class CleanUpConfig(RobosuiteConfig):
@@ -106,9 +105,6 @@ class CleanUpConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.environment import RobosuiteEnvironment
         from prime_envs_robosuite.tasks.clean_up import CleanUpTask
 
-        return RobosuiteEnvironment(
-            CleanUpTask(self.variant), self.stepping, self.cameras, self.image_size, self.horizon
-        )
+        return self._around(CleanUpTask(self.variant))

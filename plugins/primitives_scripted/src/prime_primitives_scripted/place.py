@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from pydantic import PositiveFloat
 
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
@@ -14,6 +13,7 @@ from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import (
     Array,
     Deviations,
+    Length,
     ScriptedConfig,
     ScriptedPrimitive,
     lies_still,
@@ -30,9 +30,9 @@ class PlaceConfig(ScriptedConfig):
     position_std: Deviations = (0.01, 0.01, 0.03)
     """Standard deviations of the parameter prior in x, y, z [m]; the paper's in z is 0.1 m, from
     where things tumble away."""
-    greatest_fall: PositiveFloat = 0.08
+    greatest_fall: Length = 0.08
     """How far what is let go of may fall [m]."""
-    greatest_slide: PositiveFloat = 0.03
+    greatest_slide: Length = 0.03
     """How far it may come to lie from below where it was let go of [m]."""
 
     def build(self, description: SceneDescription) -> "Place":

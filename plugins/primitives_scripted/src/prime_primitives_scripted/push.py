@@ -1,11 +1,13 @@
 """Push: shove an object over the table with the closed gripper."""
 
 from collections.abc import Sequence
+from math import pi
+from typing import Annotated
 
 import numpy as np
-from pydantic import PositiveFloat
+from pydantic import Field
 
-from prime_core.configuration import PositiveRange
+from prime_core.configuration import Range, within
 from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
@@ -17,6 +19,7 @@ from prime_primitives_scripted.phases import at_most, settle
 from prime_primitives_scripted.scripted import (
     Array,
     Deviations,
+    Length,
     ScriptedConfig,
     ScriptedPrimitive,
     lies_still,
@@ -38,12 +41,12 @@ class PushConfig(ScriptedConfig):
     Affordances say where around an object a push starts, clear of it; the release draws 0.1 m about
     the object's centre instead. Where a push started is hard to tell from what came of it: with
     wide draws, inverse dynamics models put starts on top of the object."""
-    direction_std: PositiveFloat = 0.2
+    direction_std: float = Field(0.2, gt=0, le=pi)
     """Standard deviation of a push's direction about the one towards the object's centre [rad]."""
-    length: PositiveRange = (0.14, 0.4)
+    length: Annotated[Range, within(0.01, 1)] = (0.14, 0.4)
     """Least and greatest length of a push that the prior draws [m]; shorter ones hardly move what
     they start a few centimetres from."""
-    position_tolerance: PositiveFloat = 0.015
+    position_tolerance: Length = 0.015
     """How far from either end the gripper may come [m]."""
 
     def build(self, description: SceneDescription) -> "Push":

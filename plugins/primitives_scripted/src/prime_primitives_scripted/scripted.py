@@ -2,10 +2,12 @@
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from math import pi
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import NonNegativeFloat, PositiveFloat
+from pydantic import Field
 
 from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.description import Affordance, SceneDescription
@@ -27,7 +29,13 @@ Array = NDArray[np.float64]
 
 STILL = 0.001  # [m] a step, 20 mm/s: what falls or slides is faster
 
-type Deviations = tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat]
+Length = Annotated[float, Field(ge=0.001, le=1)]
+"""That decides on success [m]; the arm ends a millimetre from where it should."""
+
+Deviation = Annotated[float, Field(ge=0, le=1)]
+"""Of a position [m]."""
+
+type Deviations = tuple[Deviation, Deviation, Deviation]
 """Standard deviations in x, y, z [m]."""
 
 
@@ -38,11 +46,11 @@ class ScriptedConfig(PrimitiveConfig):
     """Whether to move within the limits of the arm; False steers by the gripper's pose alone."""
     position_std: Deviations
     """Standard deviations of the parameter prior in x, y, z [m]."""
-    yaw_std: NonNegativeFloat = 0.05
+    yaw_std: float = Field(0.05, ge=0, le=pi)
     """Standard deviation of the parameter prior in yaw [rad]."""
-    position_tolerance: PositiveFloat = 0.01
+    position_tolerance: Length = 0.01
     """How far from its position parameters it may end [m]."""
-    yaw_tolerance: PositiveFloat = 0.2
+    yaw_tolerance: float = Field(0.2, ge=0.01, le=pi)
     """How far from its yaw parameter it may end [rad]."""
 
 

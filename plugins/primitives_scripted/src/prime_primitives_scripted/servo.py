@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.contracts.scene import Scene
+from prime_core.errors import PrimeError
 from prime_primitives_scripted.goal import equivalent_goals
 
 if TYPE_CHECKING:
@@ -130,10 +131,19 @@ def make_servo(description: SceneDescription, inverse_kinematics: bool) -> Servo
     Args:
         description: Of the scenes; without a robot there is nothing to solve.
         inverse_kinematics: Whether to respect the limits of the arm.
+
+    Raises:
+        PrimeError: If MuJoCo cannot be imported.
     """
     if description.robot is None or not inverse_kinematics:
         return Servo()
     # mink and mujoco take most of a second to import: only when they are used.
-    from prime_primitives_scripted.ik import InverseKinematics
+    try:
+        from prime_primitives_scripted.ik import InverseKinematics
+    except (AttributeError, ImportError, RuntimeError) as error:  # of its picture library
+        raise PrimeError(
+            f"MuJoCo cannot be imported ({error}): leave MUJOCO_GL unset, or name a library that "
+            "is there"
+        ) from error
 
     return KinematicServo(InverseKinematics(description.robot), description.lift_height)

@@ -6,9 +6,9 @@ from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field, PositiveFloat, PositiveInt
+from pydantic import Field
 
-from prime_core.configuration import StepRange
+from prime_core.configuration import Count, Share, StepRange
 from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.scene import Scene
@@ -33,17 +33,17 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     pace, pauses, overshoot and correction, noise, approach and grasp yaws, misses that are mended.
     """
 
-    count: PositiveInt = 30
+    count: Count = 30
     """How many demonstrations there are."""
 
     style: Style = NOVICE
     """How the gripper is moved: ``novice``, ``practised`` or ``quick``, or ranges of your own."""
 
-    grip_within: PositiveFloat | None = None
+    grip_within: float | None = Field(None, ge=0.001, le=1)
     """How far from where it should the gripper may close [m]. If it is farther away, it is moved
     again, and the attempt is given up where that does not help. By default it is not looked at."""
 
-    other_order_share: float = Field(0.0, ge=0, le=1)
+    other_order_share: Share = 0.0
     """Share of demonstrations in which the objects are picked up in the opposite order, if they
     lie so far from each other that none is knocked over."""
 
@@ -54,7 +54,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     steps: StepRange = (150, 500)
     """Least and greatest number of motor actions, those after the task is solved included."""
 
-    attempts: PositiveInt = 20
+    attempts: int = Field(20, ge=1, le=10_000)
     """Draws that are tried until one succeeds within those numbers of steps."""
 
     def count_available(self) -> int:

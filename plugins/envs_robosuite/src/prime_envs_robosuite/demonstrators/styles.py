@@ -1,13 +1,13 @@
 """Named styles of simulated demonstrations, as ranges that each demonstration draws from."""
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, pi
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator
 
-from prime_core.configuration import Config, PositiveRange, Range
+from prime_core.configuration import Config, PositiveRange, Range, Share, within
 
 
 def _at_most_one(value: tuple[float, float]) -> tuple[float, float]:
@@ -64,34 +64,34 @@ class MotionStyle:
 class StyleRanges(Config):
     """From where to where the numbers of a style lie; each demonstration draws its own."""
 
-    speed: PositiveRange
+    speed: Annotated[PositiveRange, within(0.01, 2)]
     """Mean speed of long movements [m/s]."""
 
-    pause: Range
+    pause: Annotated[Range, within(0, 60)]
     """Mean length of pauses [s]."""
 
-    bow: Range
+    bow: Annotated[Range, within(0, 2)]
     """How far movements bend aside, as a share of their length."""
 
-    aim: Range
+    aim: Annotated[Range, within(0, 0.5)]
     """Standard deviation of where long movements end before they are corrected [m]."""
 
-    yaw_aim: Range
+    yaw_aim: Annotated[Range, within(0, pi)]
     """Standard deviation of the yaw that long movements end at [rad]."""
 
-    overshoot: Range
+    overshoot: Annotated[Range, within(0, 0.5)]
     """How far long movements run past their goals [m]."""
 
-    noise: Range
+    noise: Annotated[Range, within(0, 10)]
     """Coloured noise on the commands, as a share of them."""
 
-    hover: Range
+    hover: Annotated[Range, within(0, 1)]
     """Height above a grasp at which the approach ends [m]."""
 
-    ramp: PositiveRange
+    ramp: Annotated[PositiveRange, within(0.05, 60)]
     """Time in which long movements reach their speed [s]."""
 
-    turn_speed: PositiveRange
+    turn_speed: Annotated[PositiveRange, within(0.01, 20)]
     """Mean speed of turning [rad/s]."""
 
     flow: Shares
@@ -99,7 +99,7 @@ class StyleRanges(Config):
     corrections are left to the next movement, and from where something was let go of the gripper
     goes on to the next object."""
 
-    miss_share: float = Field(ge=0, le=1)
+    miss_share: Share
     """Share of demonstrations whose first grasp closes too early, misses and is done again."""
 
     def draw(self, generator: np.random.Generator, aside: np.random.Generator) -> MotionStyle:

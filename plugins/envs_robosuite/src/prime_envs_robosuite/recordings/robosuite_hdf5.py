@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from prime_core.configuration import LocalPath
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.environment import CONTROL_FREQUENCY, EnvironmentConfig
 from prime_core.errors import DatasetError, DemonstrationError
@@ -42,7 +43,7 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
     but stepping on from it is only near to what followed.
     """
 
-    path: Path
+    path: LocalPath
     """The HDF5 file."""
 
     episodes: tuple[str, ...] | None = Field(None, min_length=1)

@@ -3,6 +3,7 @@
 import atexit
 import os
 import sys
+import warnings
 import weakref
 from typing import Any
 
@@ -15,6 +16,8 @@ from prime_envs_robosuite.simulation.physics_model import visual_model
 # Our names of the cameras that policies look through; all others keep robosuite's names.
 ALIASES = {"agentview": "agentview", "wrist": "robot0_eye_in_hand"}
 COLLISION_GROUP = 0
+OFF = ("disable", "disabled", "off", "false", "0")
+WINDOW_SYSTEM = ("glfw", "glx", "wgl", "enable", "enabled", "on", "true", "1")
 GREATEST_COUNT = 2000  # geoms in a picture; robosuite's scenes have some 130
 
 
@@ -92,9 +95,7 @@ class _Picture:
         model.vis.quality.offsamples = 0
         self._size = (buffer.offheight, buffer.offwidth)
         self._model, self._data = model, mujoco.MjData(model)
-        self._library = _library_context(*self._size)
-        self._library.make_current()
-        self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_150.value)
+        self._library, self._context = _contexts(model, *self._size)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self._scene = mujoco.MjvScene(model, GREATEST_COUNT)
         for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
@@ -143,23 +144,49 @@ def _free(library: Any, context: Any) -> None:
     library.free()
 
 
-def _library_context(height: int, width: int) -> Any:
-    """Make a context of the library that MUJOCO_GL names, EGL by default on Linux."""
-    fallback = "egl" if sys.platform.startswith("linux") else "glfw"
-    library = os.environ.get("MUJOCO_GL", "").lower() or fallback
+def _contexts(model: Any, height: int, width: int) -> tuple[Any, Any]:
+    """Make the context of the library that MUJOCO_GL names, and MuJoCo's in it.
+
+    Raises:
+        PrimeError: If there is none; the text says what to do.
+    """
+    import mujoco
+
+    library = os.environ.get("MUJOCO_GL", "").lower().strip()
     try:
-        if library == "egl":
-            from mujoco.egl import GLContext
-        elif library == "osmesa":
-            from mujoco.osmesa import GLContext
-        elif library == "cgl":
-            from mujoco.cgl import GLContext
-        else:
-            from mujoco.glfw import GLContext
-        return GLContext(width, height)
+        with warnings.catch_warnings():  # GLFW warns where it has no screen, and goes on
+            warnings.simplefilter("ignore")
+            context = _library(library)(width, height)
+            context.make_current()
+            font = mujoco.mjtFontScale.mjFONTSCALE_150.value
+            return context, mujoco.MjrContext(model, font)
     except Exception as error:  # each library fails with errors of its own
+        reason = next(iter(str(error).strip().splitlines()), "")
         raise PrimeError(
-            f"no picture can be rendered with {library} ({type(error).__name__}: {error}); without "
-            "a screen set MUJOCO_GL=egl (Debian: libegl1 libgl1-mesa-dri) or MUJOCO_GL=osmesa "
-            "(libosmesa6)"
+            f"no picture can be rendered with MUJOCO_GL={library or 'unset'} "
+            f"({type(error).__name__}: {reason}); without a screen set MUJOCO_GL=egl (Debian: "
+            "libegl1 libgl1-mesa-dri) or MUJOCO_GL=osmesa (libosmesa6)"
         ) from error
+
+
+def _library(name: str) -> Any:
+    """Return the class of contexts that a value of MUJOCO_GL stands for, EGL's by default on Linux.
+
+    Raises:
+        ValueError: If it stands for none.
+    """
+    if not name:
+        name = "egl" if sys.platform.startswith("linux") else "glfw"
+    if name in OFF:
+        raise ValueError("it turns pictures off")
+    if name == "egl":
+        from mujoco.egl import GLContext
+    elif name == "osmesa":
+        from mujoco.osmesa import GLContext
+    elif name == "cgl":
+        from mujoco.cgl import GLContext
+    elif name in WINDOW_SYSTEM:
+        from mujoco.glfw import GLContext
+    else:
+        raise ValueError("there is no such library")
+    return GLContext

@@ -67,12 +67,16 @@ def quiet_robosuite() -> Iterator[None]:
 
 @contextmanager
 def _global_state_kept() -> Iterator[None]:
-    """Undo what robosuite does to numpy's global generator and to the user's MUJOCO_GL."""
+    """Undo what robosuite does to numpy's global generator and to the user's MUJOCO_GL.
+
+    The device for pictures is hidden from it: it asserts that CUDA may use it, and we do not render
+    with robosuite.
+    """
     state = np.random.get_state()
-    library = os.environ.get("MUJOCO_GL")
+    kept = {name: os.environ.get(name) for name in ("MUJOCO_GL", "MUJOCO_EGL_DEVICE_ID")}
+    os.environ.pop("MUJOCO_EGL_DEVICE_ID", None)
     try:
         yield
     finally:
         np.random.set_state(state)
-        if library is not None:
-            os.environ["MUJOCO_GL"] = library
+        os.environ.update({name: value for name, value in kept.items() if value is not None})

@@ -1,26 +1,30 @@
 """Settings that all networks share."""
 
-from pydantic import Field, PositiveInt
+from typing import Annotated
 
-from prime_core.configuration import Config
+from pydantic import Field
+
+from prime_core.configuration import Config, Count, Share
+
+Width = Annotated[int, Field(ge=1, le=8192)]
 
 
 class NetworkSettings(Config):
     """How large the networks are, and how a step of their training goes."""
 
-    hidden_sizes: tuple[PositiveInt, ...] = Field((256, 256), min_length=1)
+    hidden_sizes: tuple[Width, ...] = Field((256, 256), min_length=1, max_length=16)
     """Widths of the hidden layers. (1024, 1024), as in the paper, was no better on states."""
-    components: int = Field(12, ge=1)
+    components: int = Field(12, ge=1, le=64)
     """Gaussians in a mixture of parameters."""
-    minimum_deviation: float = Field(1e-3, gt=0)
+    minimum_deviation: float = Field(1e-3, ge=1e-4, le=1)
     """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]."""
-    input_noise: float = Field(0.05, ge=0)
+    input_noise: float = Field(0.05, ge=0, le=10)
     """Standard deviation of the noise on normalised inputs while training."""
-    batch_size: int = Field(256, ge=1)
+    batch_size: int = Field(256, ge=1, le=16_384)
     """Examples of a step."""
-    steps_per_epoch: int = Field(500, ge=1)
+    steps_per_epoch: Count = 500
     """Steps of an epoch; an interrupted training goes on after its last finished epoch."""
-    learning_rate: float = Field(1e-3, gt=0)
+    learning_rate: float = Field(1e-3, ge=1e-9, le=1)
     """Of AdamW at the start; it falls to zero by half a cosine."""
-    weight_decay: float = Field(1e-3, ge=0)
+    weight_decay: Share = 1e-3
     """Decoupled, of AdamW; offsets and precisions of mixtures have none."""

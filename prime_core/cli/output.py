@@ -1,0 +1,92 @@
+"""Where prime's answers go, and where everything else that is printed goes.
+
+Standard output holds what was asked for alone, so that it can be read by another program. Packs and
+libraries print what they like; while prime works, that goes to stderr.
+"""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_answers: TextIO | None = None
+
+
+def say(text: str) -> None:
+    """Print a line of what was asked for."""
+    print(text, file=_answers or sys.stdout)
+
+
+def console() -> "Console":
+    """Return a console that prints what was asked for."""
+    from rich.console import Console
+
+    return Console(file=_answers or sys.stdout)
+
+
+@contextmanager
+def answering() -> Iterator[None]:
+    """Let `say` and `console` alone write to standard output."""
+    global _answers
+    before, _answers = _answers, sys.stdout
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        _answers = before
+
+
+def keep_output_apart() -> TextIO:
+    """Give this process's descriptor 1 to stderr; ``sys.stdout`` goes on to standard output.
+
+    Libraries of C and processes that packs start print to the descriptor. What standard output
+    cannot encode, it is given as a question mark.
+
+    Returns:
+        What ``sys.stdout`` is now.
+    """
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:  # it was closed before prime began
+            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+    encoding = sys.stdout.encoding
+    sys.stdout.flush()
+    descriptor = os.dup(1)
+    os.dup2(2, 1)
+    # Line by line, for a run takes hours.
+    sys.stdout = open(descriptor, "w", encoding=encoding, errors="replace", buffering=1)  # noqa: SIM115
+    return sys.stdout
+
+
+@contextmanager
+def given_back(stream: TextIO) -> Iterator[None]:
+    """Give descriptor 1 to standard output again, for a command of a pack.
+
+    Args:
+        stream: What `keep_output_apart` returned.
+    """
+    aside = os.dup(1)
+    os.dup2(stream.fileno(), 1)
+    try:
+        yield
+    finally:
+        stream.flush()
+        os.dup2(aside, 1)
+        os.close(aside)
+
+
+def end_output(stream: TextIO) -> None:
+    """Write out what is left; what packs print while the process ends goes to stderr.
+
+    Args:
+        stream: What `keep_output_apart` returned.
+    """
+    sys.stdout = sys.stderr
+    try:
+        stream.flush()
+    except OSError:  # it was told, and must not be told once more when the stream is freed
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
