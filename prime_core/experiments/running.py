@@ -131,22 +131,25 @@ def run_stage(stage: Stage) -> None:
 
 def _told(stage: Stage, error: Exception) -> PrimeError | None:
     """Return an error as one that the user can mend, or None if it is none."""
-    of_worker = isinstance(error, FailedJobError | UncompletedJobError)
+    of_worker = isinstance(error, UncompletedJobError)  # or one that failed
     if of_worker and (text := _text_of(stage.error_file)):
         return PrimeError(text)
     place = place_error(error, stage.folder) or (probed(stage.folder) if of_worker else None)
     if place is not None or not of_worker:
         return place
     logs = f"Its logs are under {stage.folder / 'logs'}"
-    if isinstance(error, UncompletedJobError):
+    if not isinstance(error, FailedJobError):
         state = re.search(r"state: (\w+)", str(error))
         return PrimeError(
             f"a worker of stage {stage.title!r} stopped ({state.group(1) if state else 'gone'}): "
             "something ended it, such as a kill or want of memory. What it had finished is kept: "
             f"run again. {logs}"
         )
-    last = str(error).strip().splitlines()[-1]
-    return PrimeError(f"a worker of stage {stage.title!r} stopped: {last.strip()}. {logs}")
+    # submitit gives the traceback between dashes, and exceptions stand at the start of a line.
+    trace = re.split("^-{5,}$", str(error), flags=re.MULTILINE)[1:2]
+    raised = re.findall(r"^[A-Za-z_][\w.]*(?::.*)?$", trace[0] if trace else "", re.MULTILINE)
+    what = raised[-1] if raised else "for an unknown reason"
+    return PrimeError(f"a worker of stage {stage.title!r} stopped: {what}. {logs}")
 
 
 def _text_of(path: Path) -> str:

@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import os
 import struct
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -73,13 +74,20 @@ def _paths(value: Any) -> Iterator[Path]:
 
 
 def _files(path: Path) -> list[Path]:
+    """Return a file, or those in a folder and in what links in it lead to."""
     if not path.is_dir():
         return [path]
-    return sorted(
-        file
-        for file in path.rglob("*")
-        if file.is_file() and not any(part.startswith(".") for part in file.relative_to(path).parts)
-    )
+    found: list[Path] = []
+    seen: set[str] = set()
+    for place, folders, files in os.walk(path, followlinks=True):
+        seen.add(os.path.realpath(place))
+        folders[:] = [
+            name
+            for name in folders
+            if not name.startswith(".") and os.path.realpath(Path(place, name)) not in seen
+        ]
+        found += [Path(place, name) for name in files if not name.startswith(".")]
+    return sorted(found)
 
 
 def _plain(value: Any) -> Iterator[Any]:

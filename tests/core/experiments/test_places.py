@@ -11,9 +11,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from submitit.core.utils import FailedJobError, UncompletedJobError
 
 from prime_core.cli import main
+from prime_core.errors import PrimeError
+from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.run_folder.place import PlaceError, place_error
+from prime_core.experiments.running import _told
 
 Run = Callable[..., None]
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -48,7 +52,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_space(
     with mounted(disk, "-t", "tmpfs", "-o", "size=2m", "tmpfs"):
         with (disk / "filler").open("wb") as filler:
             filler.write(bytes(2 * 2**20 - kilobytes * 1024))
-        with pytest.raises(PlaceError) as caught:
+        with pytest.raises(PrimeError) as caught:
             prime_run(out=disk)
         told = caught.value
         assert "No space left on device" in str(told)
@@ -160,3 +164,42 @@ def test_two_runs_at_once_give_the_same_results(
     assert waited[0].count("was done before") >= 9
     found = json.loads((tmp_path / "runs" / "toy" / "results.json").read_text())
     assert found["results"] == json.loads((finished / "results.json").read_text())["results"]
+
+
+TRACE = """Job (task=0) failed during processing with trace:
+----------------------
+Traceback (most recent call last):
+  File "a.py", line 3, in fit
+    raise ValueError("x")
+my_pack.OddError: rows: 3, must be 4
+
+----------------------
+You can check full logs with 'job.stderr(0)' and 'job.stdout(0)'or at paths:
+  - /x/1_log.err
+"""
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (
+            FailedJobError(TRACE),
+            "stopped: my_pack.OddError: rows: 3, must be 4. Its logs are under ",
+        ),
+        (
+            UncompletedJobError("Job 3 has no output (state: CANCELLED)"),
+            "stopped (CANCELLED): some",
+        ),
+        (FailedJobError(""), "stopped: for an unknown reason. Its logs are under "),
+    ],
+)
+def test_what_stopped_a_worker_is_told_without_its_traceback(
+    toy: Callable[..., Experiment], error: Exception, text: str
+) -> None:
+    stage = toy().collection
+    stage.folder.mkdir(parents=True)
+    told = str(_told(stage, error))
+    assert told.startswith(f"a worker of stage 'collection' {text}")
+    assert "Traceback" not in told
+    stage.error_file.write_text("no cube is left")
+    assert str(_told(stage, error)) == "no cube is left"

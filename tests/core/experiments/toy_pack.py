@@ -99,7 +99,9 @@ class RecordedConfig(ClimberConfig):
     path: Path
 
     def lines(self) -> list[str]:
-        files = sorted(self.path.rglob("*.txt")) if self.path.is_dir() else [self.path]
+        places = ("*.txt", "more/*.txt", "link/*.txt")
+        found = [file for place in places for file in sorted(self.path.glob(place))]
+        files = found if self.path.is_dir() else [self.path]
         return [line for file in files for line in file.read_text().split()]
 
     def count_available(self) -> int:
