@@ -113,7 +113,7 @@ def test_ctrl_c_says_that_what_is_finished_is_kept(
     running = start("run", "toy.yaml", *settings, start_new_session=True)
     shards = tmp_path / "runs" / "toy" / "stages"
     deadline = time.monotonic() + 300
-    while time.monotonic() < deadline and not list(shards.glob("*Collection*/*/progress-*")):
+    while time.monotonic() < deadline and not list(shards.glob("*Collection*/*/data/*.jsonl")):
         time.sleep(0.2)
         assert running.poll() is None, running.stderr
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does

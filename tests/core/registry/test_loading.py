@@ -1,5 +1,7 @@
 """What is registered, what is refused, and what becomes of broken plugins."""
 
+import tomllib
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,6 +11,7 @@ from prime_core.contracts.parser import Parser, ParserConfig
 from prime_core.errors import UnknownTypeError
 from prime_core.hookspecs import hookimpl
 from prime_core.registry.loading import Plugins
+from prime_core.registry.plugin import OWN_DISTRIBUTIONS
 
 
 class ScissorsConfig(ParserConfig):
@@ -58,13 +61,58 @@ def test_an_unknown_name_lists_the_names_and_the_nearest() -> None:
     )
 
 
-def test_a_second_plugin_with_a_taken_name_is_refused_and_the_first_stays() -> None:
+def registered(plugins: Plugins) -> list[str]:
+    return [entry.name for entry in plugins.registry.registrations("parser")]
+
+
+@pytest.mark.parametrize("order", [("one", "two"), ("two", "one")])
+def test_a_name_that_two_claim_is_neither_s_whichever_comes_first(order: tuple[str, str]) -> None:
+    packs = {
+        "one": parsers(scissors=ScissorsConfig),
+        "two": parsers(shears=ShearsConfig, scissors=ShearsConfig),
+    }
     plugins = Plugins()
-    add(plugins, "one", parsers(scissors=ScissorsConfig))
-    add(plugins, "two", parsers(shears=ShearsConfig, scissors=ShearsConfig))
-    assert plugins.registry.config_class("parser", "scissors") is ScissorsConfig
-    assert [item.name for item in plugins.registry.registrations("parser")] == ["scissors"]
-    assert "'scissors', which plugin 'one' has registered already" in str(plugins.found[1].error)
+    for name in order:
+        add(plugins, name, packs[name])
+    assert [item.error for item in plugins.found] == [None, None]
+    assert registered(plugins) == ["scissors@prime-one", "scissors@prime-two", "shears"]
+    found = plugins.registry.config_class("parser", "scissors@prime-one")
+    assert found is ScissorsConfig
+    with pytest.raises(UnknownTypeError, match=r"Registered: scissors@prime-one, scissors@prime-t"):
+        plugins.registry.config_class("parser", "scissors")
+
+
+def test_a_name_is_prime_s_then_that_of_the_pack_it_begins_with() -> None:
+    plugins = Plugins()
+    add(plugins, "aaa", parsers(dp=ShearsConfig, scissors_sharp=ShearsConfig))
+    add(plugins, "scissors", parsers(scissors_sharp=ScissorsConfig))
+    plugins.add("other", lambda: parsers(dp=ScissorsConfig), "prime-core", "1")
+    assert registered(plugins) == [
+        "dp",
+        "dp@prime-aaa",
+        "scissors_sharp",
+        "scissors_sharp@prime-aaa",
+    ]
+    assert plugins.registry.config_class("parser", "dp") is ScissorsConfig
+    assert plugins.registry.config_class("parser", "scissors_sharp") is ScissorsConfig
+
+
+def test_prime_s_own_distributions_are_those_that_are_here() -> None:
+    root = Path(__file__).parents[3]
+    files = [root / "pyproject.toml", *root.glob("plugins/*/pyproject.toml")]
+    names = [tomllib.loads(path.read_text())["project"]["name"] for path in files]
+    assert sorted(names) == sorted(OWN_DISTRIBUTIONS)
+
+
+def test_a_class_keeps_the_name_that_its_own_pack_gives_it() -> None:
+    plugins = Plugins()
+    add(plugins, "aaa", parsers(stolen=ScissorsConfig))
+    module = parsers(scissors=ScissorsConfig, same=ScissorsConfig)
+    module.__name__ = f"{ScissorsConfig.__module__.partition('.')[0]}.hooks"
+    add(plugins, "one", module)
+    for name in ("stolen", "same", "scissors"):
+        config = plugins.registry.config_class("parser", name)()
+        assert plugins.registry.dump(config)["type"] == "scissors"
 
 
 def test_a_class_of_another_kind_is_refused() -> None:
@@ -108,16 +156,30 @@ def test_a_plugin_that_fails_to_import_keeps_its_traceback_and_is_named_when_mis
         plugins.registry.config_class("parser", "saw")
 
 
-def test_two_plugins_cannot_have_the_same_command() -> None:
-    def command_plugin() -> SimpleNamespace:
-        @hookimpl
-        def register_commands(register: Any) -> None:
-            register("sharpen", lambda: None)
+def sharpener() -> SimpleNamespace:
+    @hookimpl
+    def register_commands(register: Any) -> None:
+        register("sharpen", lambda: None)
+        register("run", lambda: None)
 
-        return SimpleNamespace(register_commands=register_commands)
+    return SimpleNamespace(register_commands=register_commands)
 
+
+def test_two_plugins_cannot_take_each_other_s_command_nor_prime_s() -> None:
     plugins = Plugins()
-    add(plugins, "one", command_plugin())
-    add(plugins, "two", command_plugin())
-    assert list(plugins.commands) == ["sharpen"]
-    assert "command 'sharpen'" in str(plugins.found[1].error)
+    add(plugins, "one", sharpener())
+    assert set(plugins.commands(("run",))) == {"sharpen", "run@prime-one"}
+    add(plugins, "two", sharpener())
+    assert set(plugins.commands(("run",))) == {
+        f"{name}@prime-{pack}" for name in ("sharpen", "run") for pack in ("one", "two")
+    }
+
+
+def test_what_was_found_cannot_be_changed_from_outside() -> None:
+    plugins = Plugins()
+    add(plugins, "one", parsers(scissors=ScissorsConfig))
+    plugins.registry.registrations("parser").clear()
+    plugins.commands().clear()
+    with pytest.raises(AttributeError):
+        plugins.found.clear()  # type: ignore[attr-defined]
+    assert registered(plugins) == ["scissors"]
