@@ -38,8 +38,8 @@ def unseen() -> Iterator[RobosuiteEnvironment]:
         ("foo", "ValueError: there is no such library"),
         ("disable", "ValueError: it turns pictures off"),
         ("OFF", "ValueError: it turns pictures off"),
-        ("glfw", "FatalError: an OpenGL platform library has not been loaded"),
-        ("enable", "FatalError: an OpenGL platform library has not been loaded"),
+        ("glfw", "RuntimeError: there is no screen"),
+        ("enable", "RuntimeError: there is no screen"),
     ],
 )
 def test_a_library_that_is_not_there_is_told_in_a_line(

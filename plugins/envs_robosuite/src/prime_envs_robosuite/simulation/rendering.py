@@ -158,6 +158,8 @@ def _contexts(model: Any, height: int, width: int) -> tuple[Any, Any]:
             warnings.simplefilter("ignore")
             context = _library(library)(width, height)
             context.make_current()
+            if type(context).__module__ == "mujoco.glfw":
+                _require_window()
             font = mujoco.mjtFontScale.mjFONTSCALE_150.value
             return context, mujoco.MjrContext(model, font)
     except Exception as error:  # each library fails with errors of its own
@@ -167,6 +169,14 @@ def _contexts(model: Any, height: int, width: int) -> tuple[Any, Any]:
             f"({type(error).__name__}: {reason}); without a screen set MUJOCO_GL=egl (Debian: "
             "libegl1 libgl1-mesa-dri) or MUJOCO_GL=osmesa (libosmesa6)"
         ) from error
+
+
+def _require_window() -> None:
+    """Raise unless GLFW has made a context, for MuJoCo aborts at the second try without one."""
+    import glfw
+
+    if not glfw.get_current_context():
+        raise RuntimeError("there is no screen")
 
 
 def _library(name: str) -> Any:
