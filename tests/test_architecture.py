@@ -88,7 +88,8 @@ def loaded_after(*arguments: str) -> set[str]:
     done = subprocess.run(
         [sys.executable, *arguments], capture_output=True, text=True, check=True, cwd=ROOT
     )
-    return set(done.stdout.split("MODULES", 1)[1].split())
+    # Once prime has ended, standard output is closed to all others.
+    return set((done.stdout + done.stderr).split("MODULES", 1)[1].split())
 
 
 SHOW = "import sys; print('MODULES', *{name.split('.')[0] for name in sys.modules})"

@@ -104,7 +104,8 @@ def main() -> None:
         print(f"prime: {error}", file=sys.stderr)
         sys.exit(1)
     except OSError as error:
-        print(f"prime: {place_error(error, Path()) or error}", file=sys.stderr)
+        of_place = place_error(error, Path()) if error.filename else None
+        print(f"prime: {of_place or error}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         print("prime: interrupted", file=sys.stderr)

@@ -88,5 +88,6 @@ def end_output(stream: TextIO) -> None:
     sys.stdout = sys.stderr
     try:
         stream.flush()
-    except OSError:  # it was told, and must not be told once more when the stream is freed
+    except OSError:  # it was told, and must not be told once more when the stream is closed
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    stream.close()

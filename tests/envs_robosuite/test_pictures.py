@@ -13,7 +13,7 @@ from prime_envs_robosuite.config import LiftConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
 PHYSICS = """
-from prime_envs_robosuite.simulation.mujoco_import import import_mujoco
+from prime_envs_robosuite.mujoco_import import import_mujoco
 import_mujoco()
 import mujoco
 model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><body/></worldbody></mujoco>")

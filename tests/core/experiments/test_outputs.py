@@ -57,7 +57,9 @@ def test_results_of_other_settings_are_set_aside_whole(
     assert "held results of other settings (seed, demonstrations.count)" in told
     assert "they are in earlier/1 now" in told
     assert set(outputs(folder)) == {"experiment.yaml", "results.json"}
-    assert json.loads((folder / "results.json").read_text())["results"] == {}
+    assert json.loads((folder / "results.json").read_text())["results"] == {
+        "demonstrations": {"demonstrations": 1, "left_out": {}}
+    }
     earlier = folder / "earlier" / "1"
     assert outputs(earlier) == before
     assert len(read_dataset(earlier / "dataset").demonstrations) == 2

@@ -105,7 +105,7 @@ def test_other_commands_tell_of_places_too(
     def command() -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "/x/parsed")
 
-    monkeypatch.setattr("prime_core.cli.build_app", lambda: command)
+    monkeypatch.setattr("prime_core.cli.build_app", lambda stream: command)
     with pytest.raises(SystemExit) as ended:
         main()
     assert ended.value.code == 1

@@ -31,7 +31,7 @@ class RobosuiteConfig(EnvironmentConfig):
 
     def _around(self, task: "Task") -> Environment:
         """Make the environment of a task."""
-        from prime_envs_robosuite.simulation.mujoco_import import import_mujoco
+        from prime_envs_robosuite.mujoco_import import import_mujoco
 
         import_mujoco()
         from prime_envs_robosuite.environment import RobosuiteEnvironment

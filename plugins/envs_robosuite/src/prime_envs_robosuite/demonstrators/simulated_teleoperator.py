@@ -39,7 +39,7 @@ class SimulatedTeleoperatorConfig(DemonstratorConfig):
     style: Style = NOVICE
     """How the gripper is moved: ``novice``, ``practised`` or ``quick``, or ranges of your own."""
 
-    grip_within: float | None = Field(None, ge=0.001, le=1)
+    grip_within: float | None = Field(None, gt=0, le=1)
     """How far from where it should the gripper may close [m]. If it is farther away, it is moved
     again, and the attempt is given up where that does not help. By default it is not looked at."""
 
