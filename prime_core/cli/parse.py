@@ -5,14 +5,24 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.options import expanded
 from prime_core.cli.output import console
 
 
 def parse(
-    dataset: Annotated[Path, typer.Argument(help="A LeRobot data set, or a robosuite HDF5 file.")],
-    run: Annotated[Path, typer.Option("--run", help="The folder of a run with a trained IDM.")],
+    dataset: Annotated[
+        Path,
+        typer.Argument(help="A LeRobot data set, or a robosuite HDF5 file.", callback=expanded),
+    ],
+    run: Annotated[
+        Path,
+        typer.Option("--run", help="The folder of a run with a trained IDM.", callback=expanded),
+    ],
     out: Annotated[
-        Path | None, typer.Option("--out", help="Where to write; beside the data set if not given.")
+        Path | None,
+        typer.Option(
+            "--out", help="Where to write; beside the data set if not given.", callback=expanded
+        ),
     ] = None,
 ) -> None:
     """Parse demonstrations from elsewhere with the IDM of a run."""
