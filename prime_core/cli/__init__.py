@@ -14,7 +14,7 @@ import typer
 
 from prime_core.cli.compare import compare
 from prime_core.cli.options import OWN_COMMANDS
-from prime_core.cli.output import answering, end_output, given_back, keep_output_apart
+from prime_core.cli.output import answering, given_back, output_apart
 from prime_core.cli.parse import parse
 from prime_core.cli.plugins import plugins
 from prime_core.cli.run import run
@@ -32,7 +32,7 @@ def build_app(stream: TextIO) -> typer.Typer:
     """Return the command line, plugins' commands included.
 
     Args:
-        stream: Standard output, as `keep_output_apart` returned it.
+        stream: Standard output, as `output_apart` gave it.
     """
     app = _empty_app()
     for command in (run, show, validate, parse, compare, plugins):
@@ -97,18 +97,16 @@ def _of_pack(command: Callable[..., Any], stream: TextIO) -> Callable[..., Any]:
 
 def main() -> None:
     """Run the command line; what a user can mend is told without a traceback."""
-    stream = keep_output_apart()
-    try:
-        build_app(stream)()
-    except PrimeError as error:
-        print(f"prime: {error}", file=sys.stderr)
-        sys.exit(1)
-    except OSError as error:
-        of_place = place_error(error, Path()) if error.filename else None
-        print(f"prime: {of_place or error}", file=sys.stderr)
-        sys.exit(1)
-    except KeyboardInterrupt:
-        print("prime: interrupted", file=sys.stderr)
-        sys.exit(INTERRUPTED)
-    finally:
-        end_output(stream)
+    with output_apart() as stream:
+        try:
+            build_app(stream)()
+        except PrimeError as error:
+            print(f"prime: {error}", file=sys.stderr)
+            sys.exit(1)
+        except OSError as error:
+            of_place = place_error(error, Path()) if error.filename else None
+            print(f"prime: {of_place or error}", file=sys.stderr)
+            sys.exit(1)
+        except KeyboardInterrupt:
+            print("prime: interrupted", file=sys.stderr)
+            sys.exit(INTERRUPTED)

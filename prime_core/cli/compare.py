@@ -5,11 +5,15 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.options import expanded
 from prime_core.cli.output import console, say
 
 
 def compare(
-    results: Annotated[list[Path], typer.Argument(help="Folders of runs, or their results files.")],
+    results: Annotated[
+        list[Path],
+        typer.Argument(help="Folders of runs, or their results files.", callback=expanded),
+    ],
     markdown: Annotated[bool, typer.Option("--markdown", help="Print it as Markdown.")] = False,
 ) -> None:
     """Put the results of several experiments side by side."""

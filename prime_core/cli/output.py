@@ -4,6 +4,7 @@ Standard output holds what was asked for alone, so that it can be read by anothe
 libraries print what they like; while prime works, that goes to stderr.
 """
 
+import atexit
 import os
 import sys
 from collections.abc import Iterator
@@ -40,26 +41,33 @@ def answering() -> Iterator[None]:
         _answers = before
 
 
-def keep_output_apart() -> TextIO:
+@contextmanager
+def output_apart() -> Iterator[TextIO]:
     """Give this process's descriptor 1 to stderr; ``sys.stdout`` goes on to standard output.
 
     Libraries of C and processes that packs start print to the descriptor. What standard output
     cannot encode, it is given as a question mark.
 
-    Returns:
+    Yields:
         What ``sys.stdout`` is now.
     """
-    for name, descriptor in (("stdout", 1), ("stderr", 2)):
-        if getattr(sys, name) is None:  # it was closed before prime began
-            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
-    encoding = sys.stdout.encoding
-    sys.stdout.flush()
+    _open_what_is_closed()
+    before = sys.stdout
+    before.flush()
     descriptor = os.dup(1)
     os.dup2(2, 1)
     # Line by line, for a run takes hours.
-    sys.stdout = open(descriptor, "w", encoding=encoding, errors="replace", buffering=1)  # noqa: SIM115
-    return sys.stdout
+    sys.stdout = stream = open(  # noqa: SIM115
+        descriptor, "w", encoding=before.encoding, errors="replace", buffering=1
+    )
+    try:
+        yield stream
+    finally:
+        before.flush()  # what packs wrote to it, past all others
+        sys.stdout = before
+        _end(stream)
+        # It runs before what packs have registered so.
+        atexit.register(_last_words_aside)
 
 
 @contextmanager
@@ -67,7 +75,7 @@ def given_back(stream: TextIO) -> Iterator[None]:
     """Give descriptor 1 to standard output again, for a command of a pack.
 
     Args:
-        stream: What `keep_output_apart` returned.
+        stream: What `output_apart` gave.
     """
     aside = os.dup(1)
     os.dup2(stream.fileno(), 1)
@@ -79,15 +87,23 @@ def given_back(stream: TextIO) -> Iterator[None]:
         os.close(aside)
 
 
-def end_output(stream: TextIO) -> None:
-    """Write out what is left; what packs print while the process ends goes to stderr.
+def _open_what_is_closed() -> None:
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
 
-    Args:
-        stream: What `keep_output_apart` returned.
-    """
-    sys.stdout = sys.stderr
+
+def _end(stream: TextIO) -> None:
     try:
         stream.flush()
     except OSError:  # it was told, and must not be told once more when the stream is closed
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    os.dup2(stream.fileno(), 1)
     stream.close()
+
+
+def _last_words_aside() -> None:
+    sys.stdout.flush()
+    os.dup2(2, 1)
+    sys.stdout = sys.stderr

@@ -5,17 +5,27 @@ from typing import Annotated
 
 import typer
 
+from prime_core.cli.options import expanded
 from prime_core.cli.output import console
 
 
 def parse(
     dataset: Annotated[
         Path,
-        typer.Argument(help="A LeRobot data set, or an HDF5 file of robosuite or robomimic."),
+        typer.Argument(
+            help="A LeRobot data set, or an HDF5 file of robosuite or robomimic.",
+            callback=expanded,
+        ),
     ],
-    run: Annotated[Path, typer.Option("--run", help="The folder of a run with a trained IDM.")],
+    run: Annotated[
+        Path,
+        typer.Option("--run", help="The folder of a run with a trained IDM.", callback=expanded),
+    ],
     out: Annotated[
-        Path | None, typer.Option("--out", help="Where to write; beside the data set if not given.")
+        Path | None,
+        typer.Option(
+            "--out", help="Where to write; beside the data set if not given.", callback=expanded
+        ),
     ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Stop if a demonstration cannot be used.")

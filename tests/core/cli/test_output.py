@@ -137,6 +137,18 @@ def test_a_reader_that_leaves_and_a_full_disk_are_told_in_a_line(
     assert (code, err) == (1, "")
 
 
+def test_a_path_is_expanded_where_the_shell_leaves_it(
+    start: Callable[..., subprocess.Popen[bytes]], tmp_path: Path
+) -> None:
+    home = {"HOME": str(tmp_path)}
+    code, out, err = ended(start("show", "~/toy.yaml", "--out=~/new", env=home))
+    assert code == 0, err
+    assert f"in {tmp_path}/new/toy:" in out.replace("\n", "")
+    code, _, err = ended(start("compare", "~/none", "~nobody-here/x", env=home))
+    assert code == 2
+    assert "found '~nobody-here/x', which is no path: Could not determine home" in err
+
+
 def test_prime_works_without_standard_output(
     start: Callable[..., subprocess.Popen[bytes]],
 ) -> None:
