@@ -11,7 +11,7 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
     from prime_core.experiments.experiment import Experiment
     from prime_core.experiments.reading import dump_experiment, read_experiment
     from prime_core.experiments.results.table import stage_table
-    from prime_core.experiments.run_folder.outputs import is_of_others
+    from prime_core.experiments.running import holds_others
 
     screen = console()
     config = read_experiment(experiment, set_ or ())
@@ -19,7 +19,7 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
     job = Experiment(config, out / config.name)
     screen.print(f"in {job.folder}:", highlight=False, markup=False)
     screen.print(stage_table(job))
-    if is_of_others(job.folder, dump_experiment(config), job.identity):
+    if holds_others(job):
         screen.print(
             f"The results in {job.folder} are those of other settings, data or code: 'prime run' "
             "sets them aside.",

@@ -152,8 +152,13 @@ class Experiment:
     @property
     def identity(self) -> str:
         """What all results depend on, as a digest: settings, code and content of files."""
-        uids = {name: stage.infra.uid() for name, stage in self.stages.items()}
-        return hashlib.sha256(json.dumps(uids, sort_keys=True).encode()).hexdigest()[:16]
+        text = json.dumps(self.uids, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def uids(self) -> dict[str, str]:
+        """What exca tells stages apart by, for each stage by name."""
+        return {name: stage.infra.uid() for name, stage in self.stages.items()}
 
     @property
     def stages(self) -> dict[str, Stage]:

@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import yaml
 from rich.console import Console
 from rich.markup import escape
 from submitit.core.utils import FailedJobError, UncompletedJobError
@@ -19,9 +20,10 @@ from prime_core.errors import PrimeError
 from prime_core.experiments.compatibility import check_environments
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.progress_bar import _progress
-from prime_core.experiments.reading import dump_experiment
+from prime_core.experiments.reading import dump_experiment, validate_experiment
 from prime_core.experiments.run_folder.cache import mend
 from prime_core.experiments.run_folder.outputs import (
+    RESOLVED,
     changed_keys,
     is_of_others,
     read_owner,
@@ -87,19 +89,37 @@ def _tell_left_out(console: Console, stage: Stage, strict: bool) -> None:
 
 def take_folder(experiment: Experiment, console: Console) -> None:
     """Make a folder that of this experiment: set aside what others left in it, and say so."""
-    folder, identity = experiment.folder, experiment.identity
-    text = dump_experiment(experiment.config)
-    if is_of_others(folder, text, identity):
+    folder, text = experiment.folder, dump_experiment(experiment.config)
+    if holds_others(experiment):
         owner = read_owner(folder)
         keys = changed_keys(owner.text, text) if owner and not owner.damaged else []
         what = f"settings ({', '.join(keys[:_SHOWN])})" if keys else "data, code or settings"
         place = os.path.relpath(set_aside(folder), folder)
         console.print(
-            f"[yellow]![/] {folder} held results of other {what}: they are in {place} now",
+            f"[yellow]![/] {folder} held results of other {what}: they are under {place} now",
             highlight=False,
             soft_wrap=True,
         )
-    write_resolved(folder, text, identity)
+    write_resolved(folder, text, experiment.identity)
+
+
+def holds_others(experiment: Experiment) -> bool:
+    """Whether the folder of an experiment holds results that are not its own.
+
+    Those of the experiment without some variants or policies are its own.
+    """
+    folder = experiment.folder
+    if not is_of_others(folder, dump_experiment(experiment.config), experiment.identity):
+        return False
+    owner = read_owner(folder)
+    if owner is None or owner.damaged or owner.identity is None:
+        return True
+    try:
+        before = Experiment(validate_experiment(yaml.safe_load(owner.text), RESOLVED), folder)
+    except PrimeError:  # another version of prime, or without a plugin that is gone
+        return True
+    is_part = before.uids.items() <= experiment.uids.items()
+    return not (is_part and before.identity == owner.identity)
 
 
 def run_stage(stage: Stage) -> None:

@@ -55,7 +55,7 @@ def test_results_of_other_settings_are_set_aside_whole(
     prime_run(*OTHER, until="demonstrations")
     told = capsys.readouterr().out
     assert "held results of other settings (seed, demonstrations.count)" in told
-    assert "they are in earlier/1 now" in told
+    assert "they are under earlier/1 now" in told
     assert set(outputs(folder)) == {"experiment.yaml", "results.json"}
     assert json.loads((folder / "results.json").read_text())["results"] == {
         "demonstrations": {"demonstrations": 1, "left_out": {}}
@@ -87,6 +87,20 @@ def test_where_a_run_computes_sets_nothing_aside(
     prime_run(setting)
     assert not (folder / "earlier").exists()
     assert {**outputs(folder), "experiment.yaml": b""} == {**before, "experiment.yaml": b""}
+
+
+def test_results_of_a_part_of_the_experiment_are_its_own(
+    folder: Path, prime_run: Run, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = json.loads((folder / "results.json").read_text())
+    more = ("variants.high={parser: {alpha: 1e-2}, policies: {calls: {}}}",)
+    prime_run(*more, "policies.third={type: toy/repeats}", until="demonstrations")
+    assert not (folder / "earlier").exists()
+    found = json.loads((folder / "results.json").read_text())["results"]
+    assert found.items() >= before["results"].items()
+    prime_run(*more, until="demonstrations")  # less than before is another experiment
+    assert "settings (policies.third)" in capsys.readouterr().out
+    assert (folder / "earlier" / "1" / "experiment.yaml").exists()
 
 
 def test_setting_aside_goes_on_after_a_kill(folder: Path, prime_run: Run) -> None:
