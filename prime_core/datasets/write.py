@@ -53,6 +53,7 @@ def write_dataset(
 
     Raises:
         DatasetError: If there is something already, or a demonstration does not fit.
+        OSError: If it cannot be written; nothing is left half-written.
         ValueError: If the segments do not fit the demonstrations.
     """
     folder = Path(folder)
@@ -68,13 +69,10 @@ def write_dataset(
         motion_rows=segments is not None and motion_rows,
     )
     features = layout.features_of(description, contents)
-    try:
-        with new_folder(folder) as partial:
-            robot = "unknown" if description.robot is None else description.robot.name
-            write_files(partial, episodes, features, fps=CONTROL_FREQUENCY, robot_type=robot)
-            _write_prime_files(partial, environment, segments, space)
-    except OSError as error:
-        raise DatasetError(f"{folder} cannot be written: {error}") from error
+    with new_folder(folder) as partial:
+        robot = "unknown" if description.robot is None else description.robot.name
+        write_files(partial, episodes, features, fps=CONTROL_FREQUENCY, robot_type=robot)
+        _write_prime_files(partial, environment, segments, space)
 
 
 def _check_target(folder: Path, replace: bool) -> None:

@@ -14,6 +14,7 @@ from prime_core.errors import ConfigurationError, DatasetError, DemonstrationErr
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import read_experiment
 from prime_core.experiments.run_folder.outputs import check_resolved
+from prime_core.experiments.run_folder.place import place_told
 from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
@@ -145,14 +146,15 @@ def _reads(config_class: type[Config], source: Path) -> bool:
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:
     environment = experiment.demonstrations.environment
     world = build_world(environment, experiment.collection.primitives)
-    write_dataset(
-        target,
-        [item.demonstration for item in parsed],
-        world.description,
-        environment=environment,
-        segments=[item.segments for item in parsed],
-        space=world.space,
-    )
+    with place_told(target):
+        write_dataset(
+            target,
+            [item.demonstration for item in parsed],
+            world.description,
+            environment=environment,
+            segments=[item.segments for item in parsed],
+            space=world.space,
+        )
     pictures = target.with_name(target.name + "-timelines")
     pictures.mkdir(exist_ok=True)
     draw_timelines_overview(pictures / "all.png", parsed, world.space)

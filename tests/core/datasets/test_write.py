@@ -48,9 +48,9 @@ def test_a_failure_leaves_the_old_one(tmp_path: Path, monkeypatch: pytest.Monkey
         raise OSError("no space left on device")
 
     monkeypatch.setattr("prime_core.datasets.parquet_writer._write_episodes", fail)
-    with pytest.raises(DatasetError, match="no space left"):
+    with pytest.raises(OSError, match="no space left"):
         write(tmp_path / "set", replace=True)
-    with pytest.raises(DatasetError, match="no space left"):
+    with pytest.raises(OSError, match="no space left"):
         write(tmp_path / "new")
     assert fingerprint(tmp_path / "set") == before
     assert [path.name for path in tmp_path.iterdir()] == ["set"]
