@@ -4,6 +4,7 @@ Commands import what they need when they are called, so that ``prime --help`` an
 """
 
 import functools
+import os
 import sys
 import traceback
 from collections.abc import Callable
@@ -68,6 +69,8 @@ def _of_prime(command: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def answer(*arguments: Any, **options: Any) -> None:
+        # Prime draws into files: what the user has may want a screen, or be no backend at all.
+        os.environ["MPLBACKEND"] = "agg"
         try:
             with answering():
                 command(*arguments, **options)

@@ -18,7 +18,7 @@ class ComputeConfig(Config):
     run's folder and this environment under the same paths."""
     device: Literal["auto", "cpu", "cuda"] = "auto"
     """Where networks compute: ``auto`` takes a GPU if there is one."""
-    workers: int = Field(2, ge=0, le=10_000)
+    workers: int = Field(2, ge=0, le=1000)
     """Processes or jobs that share the work of a stage; 0 does it all in the process itself."""
     partition: str | None = None
     """Of Slurm; its default if there is none."""

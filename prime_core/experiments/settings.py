@@ -70,16 +70,20 @@ class ExperimentConfig(Config):
     @field_validator("name")
     @classmethod
     def _name_is_a_folder(cls, name: str) -> str:
-        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name):
-            raise ValueError(f"found {name!r}: use letters, digits, '-', '_' and '.' only")
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}", name):
+            raise ValueError(
+                f"found {name!r}: use letters, digits, '-', '_' and '.' only, 100 at most"
+            )
         return name
 
     @field_validator("policies", "variants")
     @classmethod
     def _names_are_words(cls, named: dict[str, Any]) -> dict[str, Any]:
         for name in named:
-            if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
-                raise ValueError(f"found the name {name!r}: use letters, digits, '-', '_' only")
+            if not re.fullmatch(r"[A-Za-z0-9_-]{1,99}", name):
+                raise ValueError(
+                    f"found the name {name!r}: use letters, digits, '-', '_' only, 99 at most"
+                )
         return named
 
     @field_validator("seeds")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from prime_core.configuration import Config, ConfigDump
 from prime_core.errors import PluginError, UnknownTypeError
+from prime_core.registry.contained import described
 from prime_core.registry.plugin import Claim, Plugin
 
 
@@ -86,8 +87,17 @@ class Registry:
         return name
 
     def dump(self, config: Config) -> ConfigDump:
-        """Return settings as plain data with their ``type``, defaults written out."""
-        return {"type": self.name_of(config), **config.model_dump(mode="json")}
+        """Return settings as plain data with their ``type``, defaults written out.
+
+        Raises:
+            PluginError: If they are not registered, or hold what is no plain data.
+        """
+        name = self.name_of(config)
+        try:
+            return {"type": name, **config.model_dump(mode="json")}
+        except Exception as problem:  # a stranger's code
+            text = f"the settings of {name!r} are no plain data: {described(problem)}"
+            raise PluginError(text) from problem
 
 
 def _distance_to_its_own(entry: Registration) -> int:

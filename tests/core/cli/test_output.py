@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from ..experiments.conftest import TOY
-from ..registry.bad_packs import install
+from ..registry.bad_packs import install, listen
 
 TESTS = Path(__file__).parents[2]
 NOISY = """
@@ -110,7 +110,7 @@ def test_ctrl_c_says_that_what_is_finished_is_kept(
     start: Callable[..., subprocess.Popen[bytes]], tmp_path: Path
 ) -> None:
     settings = ("--set", "compute.workers=1", "--set", "collection.episodes=100000")
-    running = start("run", "toy.yaml", *settings, start_new_session=True)
+    running = start("run", "toy.yaml", *settings, start_new_session=True, preexec_fn=listen)
     shards = tmp_path / "runs" / "toy" / "stages"
     deadline = time.monotonic() + 300
     while time.monotonic() < deadline and not list(shards.glob("*Collection*/*/data/*.jsonl")):

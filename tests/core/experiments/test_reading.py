@@ -44,6 +44,40 @@ def test_a_dumped_experiment_reads_back_the_same(tmp_path: Path) -> None:
     assert read(tmp_path, dump_experiment(config)) == config
 
 
+def test_yaml_is_read_as_people_mean_it(tmp_path: Path) -> None:
+    config = read(
+        tmp_path,
+        GOOD.replace("prime: {type: prime}", "no: &p {type: prime}\n  on: {<<: *p, pretrain: no}"),
+        "evaluation.trials=010",
+    )
+    assert config.evaluation.trials == 10
+    pretrained = {name: policy.model_dump()["pretrain"] for name, policy in config.policies.items()}
+    assert pretrained == {"no": True, "on": False}
+
+
+def test_a_setting_changes_one_of_two_that_share_an_anchor(tmp_path: Path) -> None:
+    text = GOOD.replace("prime: {type: prime}", "one: &p {type: prime}\n  two: *p")
+    config = read(tmp_path, text, "policies.one.pretrain=false")
+    assert [policy.model_dump()["pretrain"] for policy in config.policies.values()] == [False, True]
+
+
+def test_one_mistake_in_a_list_is_one_line(tmp_path: Path) -> None:
+    assert "\n" not in mistake(tmp_path, GOOD, "seeds=[-1]")
+
+
+def test_a_data_set_is_the_same_wherever_it_is_named_from(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "set").mkdir()
+    found = set()
+    for folder, path in ((".", "set"), ("set", "../set"), (".", "~/set"), (".", f"{tmp_path}/set")):
+        monkeypatch.chdir(tmp_path / folder)
+        config = read(tmp_path, GOOD, f"demonstrations={{type: lerobot, path: '{path}'}}")
+        found.add(str(dump_experiment(config)))
+    assert len(found) == 1
+
+
 def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
     config = read(
         tmp_path, GOOD, "parser.alpha=1e-3", "seeds=[4]", "primitives.1.type=scripted/place"
@@ -75,6 +109,18 @@ def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
         ("parser: {type: dp}", "", "FILE: parser: this key is missing"),
         ("name: lift", "name: lift\nsed: 3", "FILE: unknown key 'sed': did you mean 'seed'?"),
         ("name: lift", "name: a/b", "FILE: name: found 'a/b': use letters"),
+        ("name: lift", f"name: {'a' * 101}", "and '.' only, 100 at most"),
+        ("name: lift", "name: 010", "FILE: name: found 10: input should be a valid string"),
+        ("prime: {type: prime}", "1: {type: prime}", "FILE: policies: found the key 1: a name is"),
+        ("prime: {type: prime}", f"{'a' * 100}: {{type: prime}}", "'_' only, 99 at most"),
+        ("name: lift", "name: lift\nseeds: [-1]", "FILE: seeds.0: found -1: input should be g"),
+        ("name: lift", "name: lift\nseeds: [true]", "FILE: seeds.0: found True: input should be"),
+        ("{type: prime}", "{type: prime, learning_rate: .inf}", "FILE: policies.prime.learning_ra"),
+        (
+            "{type: simulated-teleoperator}",
+            "{type: lerobot, path: ''}",
+            "FILE: demonstrations.path",
+        ),
         (
             "name: lift",
             "name: lift\nname: tidy",

@@ -1,5 +1,6 @@
 """Packs that misbehave, each as its source, installed beside a good one."""
 
+import signal
 from pathlib import Path
 
 HEAD = """
@@ -55,6 +56,11 @@ def install(folder: Path, distribution: str, module: str, source: str, entry: st
     )
     text = entry or f"[prime]\n{module} = {module}\n"
     (metadata / "entry_points.txt").write_text(text)
+
+
+def listen() -> None:
+    """Let a new process hear Ctrl-C: background jobs of a shell ignore it, and hand that on."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def registering(body: str) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from .bad_packs import FAILING, GOOD, HEAD, WORKING, install
+from .bad_packs import FAILING, GOOD, HEAD, WORKING, install, listen
 
 ROOT = Path(__file__).parents[3]
 RESULTS = ROOT / "docs" / "results" / "lift_quick.json"
@@ -30,6 +30,7 @@ def prime(site: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str
         text=True,
         env=environment,
         cwd=ROOT,
+        preexec_fn=listen,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from prime_core.contracts.parser import Parser, ParserConfig
-from prime_core.errors import UnknownTypeError
+from prime_core.errors import PluginError, UnknownTypeError
 from prime_core.hookspecs import hookimpl
 from prime_core.registry.loading import Plugins
 from prime_core.registry.plugin import OWN_DISTRIBUTIONS
@@ -154,6 +154,17 @@ def test_a_plugin_that_fails_to_import_keeps_its_traceback_and_is_named_when_mis
     assert plugins.registry.config_class("parser", "scissors") is ScissorsConfig
     with pytest.raises(UnknownTypeError, match=r"'broken' \(prime-broken 0\.3\) could not be load"):
         plugins.registry.config_class("parser", "saw")
+
+
+class WoodConfig(ScissorsConfig):
+    grain: object = None
+
+
+def test_settings_that_are_no_plain_data_are_told() -> None:
+    plugins = Plugins()
+    add(plugins, "one", parsers(wood=WoodConfig))
+    with pytest.raises(PluginError, match="the settings of 'wood' are no plain data: "):
+        plugins.registry.dump(WoodConfig(grain=object()))
 
 
 def sharpener() -> SimpleNamespace:
