@@ -4,6 +4,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,15 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.run_folder.cache import kept_items, mend
 
 LINE = b'{"content":{"x":1},"#type":"Auto","#key":"%d"}\n'
+
+
+def a_worker_of(folder: Path) -> "subprocess.Popen[bytes]":
+    """Start a process that names a folder as workers do, and wait until that can be seen."""
+    sleeper = [sys.executable, "-c", "import time; time.sleep(60)", str(folder)]
+    worker = subprocess.Popen(sleeper)
+    while os.fsencode(folder) not in Path(f"/proc/{worker.pid}/cmdline").read_bytes():
+        time.sleep(0.01)  # it has just been started
+    return worker
 
 
 def test_items_are_seen_as_they_come_and_go(tmp_path: Path) -> None:
@@ -39,8 +49,7 @@ def test_half_lines_are_cut_off_unless_somebody_may_write_them(tmp_path: Path) -
     torn = half + LINE % 3 + LINE % 4
     folder = tmp_path / "stage"
     folder.mkdir()
-    sleeper = [sys.executable, "-c", "import time; time.sleep(60)", str(folder)]
-    with subprocess.Popen(sleeper) as worker:
+    with a_worker_of(folder) as worker:
         here = socket.gethostname()
         files = {
             f"{here}-{worker.pid}": (half, half),
@@ -62,8 +71,7 @@ def test_claims_of_others_than_workers_of_the_stage_are_dropped(
     job = toy()
     folder = job.collection.folder
     folder.mkdir(parents=True)
-    sleeper = [sys.executable, "-c", "import time; time.sleep(60)", str(folder)]
-    with subprocess.Popen(sleeper) as worker:
+    with a_worker_of(folder) as worker:
         claims = {
             "0": Pid(host=socket.gethostname(), pid=worker.pid),
             "1": Pid(host=socket.gethostname(), pid=os.getpid()),  # lives, but is another process
