@@ -10,6 +10,7 @@ import hashlib
 import importlib.util
 import sys
 import sysconfig
+import warnings
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -29,6 +30,9 @@ WITHOUT_EFFECT = (
     "prime_core.registry",
 )
 """Modules of the core, and folders of such, on which no result depends."""
+
+_PACKAGES = {"site-packages", "dist-packages"}
+"""Folders of installed packages; those of editable ones lie elsewhere."""
 
 _NOT_OURS = sys.stdlib_module_names | {"pydantic"}
 
@@ -78,11 +82,15 @@ def _is_without_effect(name: str) -> bool:
 @cache
 def _is_source(top: str) -> bool:
     """Whether a package is neither installed nor Python's own."""
-    folders = _folders_of(top)
-    installed = [sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")]
-    return bool(folders) and not any(
-        folder.is_relative_to(Path(place).resolve()) for folder in folders for place in installed
-    )
+    return any(not _is_installed(folder) for folder in _folders_of(top))
+
+
+def _is_installed(folder: Path) -> bool:
+    # By name, too: an environment may take in the packages of another one.
+    if not _PACKAGES.isdisjoint(folder.parts):
+        return True
+    places = [sysconfig.get_path(name) for name in ("purelib", "platlib", "stdlib")]
+    return any(folder.is_relative_to(Path(place).resolve()) for place in places)
 
 
 @cache
@@ -122,7 +130,8 @@ def _read(name: str, path: Path) -> tuple[str, tuple[str, ...]]:
     """Return the digest of a module, and the modules that it imports."""
     text = path.read_bytes()
     try:
-        tree = ast.parse(text)
+        with warnings.catch_warnings(action="ignore"):  # it is not for us to judge
+            tree = ast.parse(text)
     except (SyntaxError, ValueError):
         return hashlib.sha256(text).hexdigest()[:12], ()
     plain = "".join(_plain(tree))

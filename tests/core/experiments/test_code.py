@@ -100,6 +100,22 @@ def test_what_a_class_inherits_is_its_code(code: Callable[..., Code]) -> None:
     assert set(code("wide", "Wide", wide=child)) == {".wide", ".grasp", ".depth", ".late"}
 
 
+@pytest.mark.filterwarnings("error")  # a library's text is its own affair
+def test_installed_libraries_are_none_of_its_code_wherever_they_lie(
+    code: Callable[..., Code], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    number = tmp_path.name.replace("-", "_")
+    for folder, name in ((tmp_path / "other" / "site-packages", "library"), (tmp_path, "lab")):
+        folder.mkdir(parents=True, exist_ok=True)
+        monkeypatch.syspath_prepend(folder)
+        (folder / f"{name}_{number}.py").write_text("PATTERN = '\\s'\n")
+    uses = "".join(f"        import {name}_{number}\n" for name in ("library", "lab"))
+    found = code(
+        grasp=MODULE.replace("        from .late import HELD\n", f"{uses}        HELD = 1\n")
+    )
+    assert set(found) == {".grasp", ".depth", f"lab_{number}"}
+
+
 def other_code(stage: object, module: str) -> None:
     """Mark a stage as made by code in which a module was another."""
     folder = stage.folder  # type: ignore[attr-defined]
