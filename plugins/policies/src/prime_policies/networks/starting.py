@@ -57,11 +57,13 @@ def start_components(
         frame, example = _gathering(offsets[..., first], usable[:, 0], ~explained, generator)
         shared = offsets[example, frame, first]
         near = _distances(offsets[:, frame, first], shared, periods[first]) < NEAR
+        # Examples that are explained may gather here too, but more tightly in another frame.
+        new = near & ~explained
         mixture.log_precisions[component] = -2 * math.log(WIDE)
         for number, group in enumerate(mixture.layout.groups):
             places = list(group.places)
             frame, centres, spread = _tightest(
-                offsets[near][..., places], usable[:, number], periods[places]
+                offsets[new][..., places], usable[:, number], periods[places]
             )
             mixture.offsets[component][:, places] = torch.from_numpy(centres)
             deviation = max(1.5 * spread, mixture.minimum_deviation)
