@@ -91,8 +91,8 @@ def _data_file(header: Header, chunk: int, file: int) -> Path:
     # What else format() takes reaches into objects or fills the memory.
     if set("{}\0") & set(rest) or place.is_absolute() or ".." in place.parts:
         raise DatasetError(
-            f"{header.info_file}: data_path is {template!r}; it should be a path inside of the data "
-            f"set: LeRobot has {layout.DATA_FILE!r}"
+            f"{header.info_file}: data_path is {template!r}; it should be a path inside of the "
+            f"data set: LeRobot has {layout.DATA_FILE!r}"
         )
     return header.folder / template.format(chunk_index=chunk, file_index=file)
 
