@@ -99,13 +99,11 @@ def _of_pack(command: Callable[..., Any], stream: TextIO) -> Callable[..., Any]:
 
 
 def _of_place(error: OSError) -> PrimeError | None:
-    if error.filename:
-        return place_error(error, Path())
     try:
         os.getcwd()
     except FileNotFoundError:
         return PrimeError("the folder that prime was started in is gone: start it in another one")
-    return None
+    return place_error(error, Path()) if error.filename else None
 
 
 def main() -> None:
