@@ -98,6 +98,14 @@ def _of_pack(command: Callable[..., Any], stream: TextIO) -> Callable[..., Any]:
     return answer
 
 
+def _of_place(error: OSError) -> PrimeError | None:
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        return PrimeError("the folder that prime was started in is gone: start it in another one")
+    return place_error(error, Path()) if error.filename else None
+
+
 def main() -> None:
     """Run the command line; what a user can mend is told without a traceback."""
     with output_apart() as stream:
@@ -107,8 +115,7 @@ def main() -> None:
             print(f"prime: {error}", file=sys.stderr)
             sys.exit(1)
         except OSError as error:
-            of_place = place_error(error, Path()) if error.filename else None
-            print(f"prime: {of_place or error}", file=sys.stderr)
+            print(f"prime: {_of_place(error) or error}", file=sys.stderr)
             sys.exit(1)
         except KeyboardInterrupt:
             print("prime: interrupted", file=sys.stderr)

@@ -1,6 +1,7 @@
 """The episodes of a LeRobot v3 data set: which there are, and the numbers of each."""
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,10 @@ CLOCK_TOLERANCE = 1e-3  # [s]; LeRobot's own is a tenth of it, but float32 has n
 
 
 Columns = dict[str, NDArray[Any]]
+
+
+_INDEX = re.compile(r"\{(chunk|file)_index(:0?\d{0,2}d?)?\}")
+"""What stands for a number in ``data_path``."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +86,15 @@ def read_entries(header: Header) -> list[EpisodeEntry]:
 
 
 def _data_file(header: Header, chunk: int, file: int) -> Path:
-    template = header.info["data_path"]
-    try:
-        return header.folder / str(template.format(chunk_index=chunk, file_index=file))
-    except (LookupError, TypeError, ValueError, AttributeError):
+    template: str = header.info["data_path"]
+    rest, place = _INDEX.sub("", template), Path(template)
+    # What else format() takes reaches into objects or fills the memory.
+    if set("{}\0") & set(rest) or place.is_absolute() or ".." in place.parts:
         raise DatasetError(
-            f"{header.info_file}: data_path is {template!r}; LeRobot has {layout.DATA_FILE!r}"
-        ) from None
+            f"{header.info_file}: data_path is {template!r}; it should be a path inside of the "
+            f"data set: LeRobot has {layout.DATA_FILE!r}"
+        )
+    return header.folder / template.format(chunk_index=chunk, file_index=file)
 
 
 def read_episodes(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
 
+from prime_core.configuration import GREATEST_COUNT
 from prime_core.contracts.environment import ACTION_NAMES
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
 from prime_core.datasets import layout
@@ -108,13 +109,15 @@ def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
     asked: dict[str, tuple[type | tuple[type, ...], str]] = {
         "features": (dict, "a table of features"),
         "fps": ((int, float), "a number of frames a second above 0"),
-        "total_episodes": (int, "a whole number, at least 1"),
+        "total_episodes": (int, f"a whole number, 1 to {GREATEST_COUNT}"),
         "data_path": (str, f"a path such as {layout.DATA_FILE!r}"),
     }
     for key, (kind, what) in asked.items():
         value = info.get(key, "missing")
         empty = isinstance(value, int | float) and not (math.isfinite(value) and value > 0)
-        if isinstance(value, bool) or not isinstance(value, kind) or empty or key not in info:
+        beyond = key == "total_episodes" and isinstance(value, int) and value > GREATEST_COUNT
+        wrong = isinstance(value, bool) or not isinstance(value, kind) or key not in info
+        if wrong or empty or beyond:
             raise DatasetError(f"{path}: {key} is {value!r}; it should be {what}")
     if fps is not None and info["fps"] != fps:
         raise DatasetError(

@@ -59,12 +59,15 @@ def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | Non
     try:
         present = pq.read_schema(path).names
         missing = [name for name in columns if name not in present]
-        if not missing:
+        double = [name for name in columns if present.count(name) > 1]
+        if not missing and not double:
             chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
             # Without partitioning=None a folder named "seed=0" would become a column.
             return pq.read_table(path, columns=list(columns), filters=chosen, partitioning=None)
     except (pa.ArrowException, OSError, ValueError, TypeError) as error:
         raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
+    if double:
+        raise DatasetError(f"{path}: column {double[0]!r} stands {present.count(double[0])} times")
     raise DatasetError(
         f"{path} has no column {missing[0]!r}; it has {', '.join(present[:12])}. "
         "A data set's features are those of its meta/info.json"

@@ -13,6 +13,14 @@ from prime_core.experiments.yaml_text import dump_yaml, load_yaml, read_mapping
 LONGEST = 200
 """Characters of what was found that an error shows."""
 
+_MEANT = {
+    "tuple_type": "a list, such as [1, 2]",
+    "list_type": "a list, such as [1, 2]",
+    "dict_type": "a mapping of keys, such as {key: value}",
+    "path_type": "the path of a file or folder",
+}
+"""What is right, in YAML's words, where pydantic has Python's."""
+
 
 def read_experiment(path: Path, settings: Sequence[str] = ()) -> ExperimentConfig:
     """Read an experiment from YAML.
@@ -59,6 +67,8 @@ def explain(error: ValidationError, source: str) -> str:
             text = "this key is missing"
         elif place[-1:] == ("[key]",):
             place, text = place[:-2], f"found the key {found}: a name is text, so put it in quotes"
+        elif item["type"] in _MEANT:
+            text = f"found {found}: it must be {_MEANT[item['type']]}"
         elif item["type"] != "value_error":
             text = f"found {found}: {text[:1].lower()}{text[1:]}"
         key = ".".join(str(part) for part in place)

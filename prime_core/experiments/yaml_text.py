@@ -87,6 +87,10 @@ def load_yaml(text: str, source: str) -> Any:
         mark = error.problem_mark or error.context_mark
         where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         problem = error.problem or error.context
+        if "'\\t'" in str(problem):
+            problem = "a tab where only spaces can stand: indent with spaces"
+        elif "another document" in str(problem):
+            problem = "a second document begins here (---): a file holds one experiment"
         raise ConfigurationError(f"{source}{where}: not YAML: {problem}") from None
     except yaml.YAMLError as error:
         text = " ".join(str(error).split())

@@ -5,6 +5,7 @@ an error of the pack, be it ``sys.exit()``; only the user's Ctrl-C ends prime. I
 that wants to do harm, or that ends the process by ``os._exit()``, cannot be stopped.
 """
 
+import builtins
 import logging
 import os
 import signal
@@ -34,7 +35,7 @@ def contained[Result](call: Callable[[], Result]) -> Result:
     """
     with ExitStack() as stack:
         interrupted = stack.enter_context(_interrupts_noted())
-        for kept in (_told_to_be_inside, _streams_kept, _logging_kept, _process_kept):
+        for kept in _KEPT:
             stack.enter_context(kept())
         stack.enter_context(warnings.catch_warnings())
         try:
@@ -140,16 +141,38 @@ def _logging_kept() -> Iterator[None]:
 
 
 @contextmanager
+def _imports_kept() -> Iterator[None]:
+    """Let a pack add places to import from behind those that there are, and take away none."""
+    searched: list[list[Any]] = [sys.path, sys.meta_path, sys.path_hooks]
+    before, names = [list(places) for places in searched], dict(vars(builtins))
+    try:
+        yield
+    finally:
+        vars(builtins).update(names)
+        sys.path, sys.meta_path, sys.path_hooks = searched  # a pack may have put others there
+        for places, old in zip(searched, before, strict=True):
+            places[:] = [*old, *(place for place in places if place not in old)]
+
+
+@contextmanager
 def _process_kept() -> Iterator[None]:
     folder = None
     with suppress(OSError):
         folder = os.getcwd()
     arguments, hook, limit = list(sys.argv), sys.excepthook, sys.getrecursionlimit()
+    variables, mask = dict(os.environ), os.umask(0)
+    os.umask(mask)
     try:
         yield
     finally:
+        os.umask(mask)
+        for name, value in variables.items():
+            os.environ.setdefault(name, value)  # a pack may set some, such as MUJOCO_GL
         sys.argv[:], sys.excepthook = arguments, hook
         sys.setrecursionlimit(limit)
         if folder is not None:
             with suppress(OSError):
                 os.chdir(folder)
+
+
+_KEPT = (_told_to_be_inside, _streams_kept, _logging_kept, _imports_kept, _process_kept)

@@ -87,7 +87,8 @@ class Plugin:
         found: list[Claim] = []
 
         def register(name: str, what: Any) -> None:
-            claim = Claim(name, what, self)
+            # Plain text: a subclass of it may compare as it likes.
+            claim = Claim(str.__str__(name) if isinstance(name, str) else name, what, self)
             _check_claim(found, claim)
             check(name, what)
             found.append(claim)

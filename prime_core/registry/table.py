@@ -46,10 +46,11 @@ class Registry:
             for kind, found in claims.items()
         }
         everything = [entry for found in self._entries.values() for entry in found.values()]
-        self._names: dict[type[Config], str] = {}
+        # By identity: a pack's class may say that it equals another.
+        self._names: dict[int, str] = {}
         for entry in sorted(everything, key=_distance_to_its_own):
             # A pack may give another pack's settings a second name, not rename them.
-            self._names.setdefault(entry.config_class, entry.name)
+            self._names.setdefault(id(entry.config_class), entry.name)
 
     def registrations(self, kind: str) -> list[Registration]:
         """Return what is registered of a kind, by name."""
@@ -81,7 +82,7 @@ class Registry:
         Raises:
             PluginError: If it is not registered.
         """
-        name = self._names.get(type(config))
+        name = self._names.get(id(type(config)))
         if name is None:
             raise PluginError(f"{type(config).__qualname__} is not registered by any plugin")
         return name

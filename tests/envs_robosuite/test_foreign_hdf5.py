@@ -137,6 +137,30 @@ INFOS: dict[str, tuple[Any, str]] = {
         {"controller_configs": ARM | {"output_max": "0.05 m"}},
         "says output_max '0.05 m'; it must be one number or six",
     ),
+    "limits that are not there": (
+        {"controller_configs": ARM | {"output_max": None}},
+        "says output_max None; it must be one number or six",
+    ),
+    "limits of another width": (
+        {"controller_configs": ARM | {"output_max": [0.05] * 7}},
+        f"says output_max {[0.05] * 7}; it must be one number or six",
+    ),
+    "limits that are true": (
+        {"controller_configs": ARM | {"input_max": True}},
+        "says input_max True; it must be one number or six",
+    ),
+    "limits that are no numbers": (
+        {"controller_configs": ARM | {"input_max": float("nan")}},
+        "says input_max nan; it must be at most 1e+06",
+    ),
+    "limits in millimetres": (
+        {"controller_configs": ARM | {"output_max": 50}},
+        "says output_max 50; it must be at most 1 metre or radian a step",
+    ),
+    "limits that nothing can hold": (
+        {"controller_configs": ARM | {"input_min": -(10**400)}},
+        f"says input_min {-(10**400)}; it must be at most 1e+06",
+    ),
 }
 
 
@@ -271,6 +295,8 @@ def test_bad_demonstrations_do_not_end_the_others(
     degrees = changed(states, lambda rows: rows.__setitem__((slice(None), 2), 120.0))
     flat = changed(states, lambda rows: rows.__setitem__((slice(None), slice(13, 17)), 0.0))
     slow = changed(states, lambda rows: rows.__imul__(np.r_[2.0, np.ones(31)]))
+    millimetres = changed(states, lambda rows: rows.__setitem__((slice(None), 12), 830.0))
+    wide = changed(states, lambda rows: rows.__setitem__((slice(None), 8), 40.0))
     path = record(
         tmp_path / "a.hdf5",
         {"env": "Lift"},
@@ -285,6 +311,8 @@ def test_bad_demonstrations_do_not_end_the_others(
         demo_8=good(states, actions=np.array([["a"] * 7] * FRAMES, dtype="S1")),
         demo_9={},
         demo_10=good(states),
+        demo_14=good(millimetres),
+        demo_15=good(wide),
     )
     with h5py.File(path, "a") as file:
         file["data/demo_11"] = np.zeros(3)
@@ -309,6 +337,9 @@ def test_bad_demonstrations_do_not_end_the_others(
         9: "demo_9: has no data set 'states'; it holds nothing",
         11: "demo_11 is no group of a demonstration",
     }
+    metres = "positions are metres, at most"
+    assert said[14] == f"demo_14: the object is at 830; {metres} 10"
+    assert said[15] == f"demo_15: a finger is at 40; {metres} 0.3"
     assert said[12].startswith("demo_12: cannot be read: ")
     assert said[13] == "demo_13: has no data set 'actions'; it holds actions, states"
 

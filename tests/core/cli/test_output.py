@@ -137,6 +137,21 @@ def test_a_reader_that_leaves_and_a_full_disk_are_told_in_a_line(
     assert (code, err) == (1, "")
 
 
+def test_a_folder_that_is_gone_is_told_in_a_line(
+    start: Callable[..., subprocess.Popen[bytes]], tmp_path: Path
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+
+    def leave() -> None:
+        os.chdir(gone)
+        gone.rmdir()
+
+    code, _, err = ended(start("run", str(tmp_path / "toy.yaml"), preexec_fn=leave))
+    assert code == 1
+    assert err == "prime: the folder that prime was started in is gone: start it in another one\n"
+
+
 def test_a_path_is_expanded_where_the_shell_leaves_it(
     start: Callable[..., subprocess.Popen[bytes]], tmp_path: Path
 ) -> None:

@@ -143,15 +143,19 @@ INFO_EDITS: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     ),
     "a count is a text": (
         lambda info: info.update(total_episodes="3"),
-        "total_episodes is '3'; it should be a whole number, at least 1",
+        "total_episodes is '3'; it should be a whole number, 1 to 100000",
     ),
     "a count is a fraction": (
         lambda info: info.update(total_episodes=3.0),
-        "total_episodes is 3.0; it should be a whole number, at least 1",
+        "total_episodes is 3.0; it should be a whole number, 1 to 100000",
     ),
     "no episodes": (
         lambda info: info.update(total_episodes=0),
-        "total_episodes is 0; it should be a whole number, at least 1",
+        "total_episodes is 0; it should be a whole number, 1 to 100000",
+    ),
+    "too many episodes to count": (
+        lambda info: info.update(total_episodes=10**18),
+        "total_episodes is 1000000000000000000; it should be a whole number, 1 to 100000",
     ),
     "a rate is a text": (
         lambda info: info.update(fps="20"),
@@ -169,6 +173,21 @@ INFO_EDITS: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
         lambda info: info["features"][STATE].update(shape=[0], names=None),
         f"feature '{STATE}' has no numbers; it should have some",
     ),
+    **{
+        f"data in {path[:30]!r}": (
+            lambda info, path=path: info.update(data_path=path),
+            f"data_path is {path!r}; it should be a path inside of the data set: LeRobot has "
+            "'data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet'",
+        )
+        for path in (
+            "/etc/passwd",
+            "../other/{chunk_index}.parquet",
+            "a\0b",
+            "{chunk_index:>999999999}",
+            "{chunk_index.__class__}",
+            "data/{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        )
+    },
 }
 
 
@@ -359,6 +378,14 @@ def test_other_units_are_refused(tmp_path: Path, unit: str) -> None:
     edit_column(tmp_path / "set", DATA, key, change)
     with pytest.raises(DatasetError, match=rf"^\S+set/{DATA}: episode 0: {text}$"):
         read_dataset(tmp_path / "set", DESCRIPTION)
+
+
+def test_a_column_that_stands_twice_is_refused_by_name(tmp_path: Path) -> None:
+    write(tmp_path / "set")
+    path = tmp_path / "set" / DATA
+    table = pq.read_table(path, partitioning=None)
+    pq.write_table(table.append_column("action", table["action"]), path)
+    assert refusal(tmp_path / "set") == f"{DATA}: column 'action' stands 2 times"
 
 
 def test_an_empty_column_of_objects_is_a_scene_without_any(tmp_path: Path) -> None:

@@ -87,7 +87,7 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "strange path": (
         lambda f: change_info(f, lambda info: info.update(data_path="data/{episode}")),
-        r"data_path is 'data/\{episode\}'; LeRobot has 'data/chunk-",
+        r"data_path is 'data/\{episode\}'; it should be .*: LeRobot has 'data/chunk-",
     ),
     "other objects": (
         lambda f: change_info(

@@ -114,6 +114,16 @@ def test_settings_change_keys_deep_inside(tmp_path: Path) -> None:
         ("prime: {type: prime}", "1: {type: prime}", "FILE: policies: found the key 1: a name is"),
         ("prime: {type: prime}", f"{'a' * 100}: {{type: prime}}", "'_' only, 99 at most"),
         ("name: lift", "name: lift\nseeds: [-1]", "FILE: seeds.0: found -1: input should be g"),
+        (
+            "name: lift",
+            "name: lift\nseeds: 1, 2",
+            "FILE: seeds: found '1, 2': it must be a list, suc",
+        ),
+        (
+            "{type: simulated-teleoperator}",
+            "{type: lerobot, path: 5}",
+            "FILE: demonstrations.path: found 5: it must be the path of a file or folder",
+        ),
         ("name: lift", "name: lift\nseeds: [true]", "FILE: seeds.0: found True: input should be"),
         ("{type: prime}", "{type: prime, learning_rate: .inf}", "FILE: policies.prime.learning_ra"),
         (

@@ -135,7 +135,7 @@ def test_a_run_may_end_with_a_variants_stage(tmp_path: Path) -> None:
         ),
         ("v.name=mine", "FILE: variants.v: found the key 'name': a variant may change"),
         ("v.variants={}", "FILE: variants.v: found the key 'variants': a variant may change"),
-        ("v=3", "FILE: variants.v: found 3: input should be a valid dictionary"),
+        ("v=3", "FILE: variants.v: found 3: it must be a mapping of keys, such as {"),
         ("a/b={}", "FILE: variants: found the name 'a/b': use letters, digits, '-', '_' only"),
     ],
 )

@@ -158,6 +158,27 @@ sys.setrecursionlimit(120)
 sys.excepthook = None
 """
     + registering("register('bad/saw', BadConfig)"),
+    "compares-as-it-likes": registering("""
+class Kind(type(BadConfig)):
+    def __hash__(self): raise RuntimeError
+    def __eq__(self, other): return True
+class Equal(BadConfig, metaclass=Kind): pass
+class Name(str):
+    def __hash__(self): return hash("good/scissors")
+    def __eq__(self, other): return True
+register(Name("bad/saw"), Equal)
+"""),
+    "takes-away-what-all-need": """
+import builtins, os, sys
+sys.path.clear()
+sys.path = []
+sys.path_hooks.clear()
+sys.meta_path.clear()
+builtins.open = builtins.print = None
+os.environ.clear()
+os.umask(0o777)
+"""
+    + registering("register('bad/saw', BadConfig)"),
     "takes-names": registering(
         "from good import GoodConfig\n"
         "for name in ('good/scissors', 'dp', 'greedy', 'bad/saw'): register(name, BadConfig)\n"

@@ -26,6 +26,8 @@ OBSERVED_OBJECT = (10, 14)
 where it is from the gripper, PickPlace how it is turned from there, too."""
 NORM_TOLERANCE = 0.05  # of a recorded quaternion
 MOST_TURNED = 2 * np.pi  # radians of a joint of the arm
+WIDEST = 0.3  # metres that a finger may be from the middle
+FARTHEST = 10.0  # metres from the origin where an object may be
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ class JointState:
     velocities: Array
 
     def check(self, where: str) -> None:
-        """Raise if the numbers cannot be radians and quaternions.
+        """Raise if the numbers cannot be radians, metres and quaternions.
 
         Raises:
             DemonstrationError: If so.
@@ -51,6 +53,15 @@ class JointState:
             raise DemonstrationError(
                 f"{where}: a joint of the arm is at {turned:.4g}; joint positions are radians"
             )
+        for what, values, most in (
+            ("a finger", self.positions[:, ARM : ARM + FINGERS], WIDEST),
+            ("the object", self.positions[:, -POSE:-4], FARTHEST),
+        ):
+            farthest = float(np.abs(values).max())
+            if farthest > most:
+                raise DemonstrationError(
+                    f"{where}: {what} is at {farthest:.4g}; positions are metres, at most {most:g}"
+                )
         lengths = np.linalg.norm(self.positions[:, -4:], axis=1)
         if np.any(np.abs(lengths - 1) > NORM_TOLERANCE):
             frame = int(np.argmax(np.abs(lengths - 1)))

@@ -15,6 +15,9 @@ from prime_envs_robosuite.simulation.osc_scales import POSITION_SCALE, ROTATION_
 
 ROBOT = "Panda"
 ROBOSUITE = 1  # robomimic's number for environments of robosuite
+MOST_ASKED = 1e6  # of a number that a device gives
+MOST_MOVED = 1.0  # metres or radians in a step
+UNITS = {MOST_ASKED: "", MOST_MOVED: " metre or radian a step"}
 Array = NDArray[np.float64]
 
 
@@ -179,10 +182,13 @@ class _Told:
     def _six(self, arm: Mapping[str, Any], key: str, default: Array) -> Array:
         """Return a limit of the first six numbers; one number stands for all."""
         found = arm.get(key, default)
-        try:
-            return np.broadcast_to(np.asarray(found, dtype=np.float64), (6,))
-        except (TypeError, ValueError):
-            raise self._refusal(key, found, "one number or six") from None
+        values = np.asarray(found) if isinstance(found, np.ndarray) or _is_numeric(found) else None
+        if values is None or values.shape not in ((), (6,)):
+            raise self._refusal(key, found, "one number or six")
+        most = MOST_MOVED if key.startswith("output") else MOST_ASKED
+        if not np.all(np.abs(values) <= most):  # nor is it NaN
+            raise self._refusal(key, found, f"at most {most:g}{UNITS[most]}")
+        return np.broadcast_to(values.astype(np.float64), (6,))
 
     def _refusal(self, key: str, found: Any, right: str) -> DatasetError:
         return DatasetError(f"{self.where} says {key} {found!r}; it must be {right}")
@@ -191,3 +197,9 @@ class _Told:
 def _only(value: Any) -> Any:
     """Return the one item of a list of one."""
     return value[0] if isinstance(value, list) and len(value) == 1 else value
+
+
+def _is_numeric(value: Any) -> bool:
+    """Whether a value of JSON is a number or a list of numbers."""
+    items = value if isinstance(value, list) else [value]
+    return all(isinstance(item, int | float) and not isinstance(item, bool) for item in items)
