@@ -20,6 +20,7 @@ CANDIDATES = 48  # examples whose offsets are tried
 ROWS = 1500  # examples that are looked at; more say the same
 AS_TIGHT = 1.1  # times the least spread, within which the first frame is taken
 NEAR = 0.05  # over the scales: offsets that are so near to each other are the same
+NARROWEST = 0.02  # deviation at the start: a step of the optimiser moves an offset by half of it
 WIDE = 3.0  # deviation in frames that a component starts without: of no weight beside its own
 
 Floats = NDArray[np.float32]
@@ -56,9 +57,8 @@ def start_components(
             explained[:] = False
         frame, example = _gathering(offsets[..., first], usable[:, 0], ~explained, generator)
         shared = offsets[example, frame, first]
-        near = _distances(offsets[:, frame, first], shared, periods[first]) < NEAR
         # Examples that are explained may gather here too, but more tightly in another frame.
-        new = near & ~explained
+        new = ~explained & (_distances(offsets[:, frame, first], shared, periods[first]) < NEAR)
         mixture.log_precisions[component] = -2 * math.log(WIDE)
         for number, group in enumerate(mixture.layout.groups):
             places = list(group.places)
@@ -66,9 +66,11 @@ def start_components(
                 offsets[new][..., places], usable[:, number], periods[places]
             )
             mixture.offsets[component][:, places] = torch.from_numpy(centres)
-            deviation = max(1.5 * spread, mixture.minimum_deviation)
+            deviation = max(1.5 * spread, NARROWEST, mixture.minimum_deviation)
             mixture.log_precisions[component, frame, number] = -2 * math.log(deviation)
-        explained |= near
+            if number == 0:
+                away = _distances(offsets[:, frame, first], centres[frame], periods[first])
+                explained |= away < NEAR
 
 
 def _distances(values: Floats, centre: Floats, periods: Tensor) -> Floats:
