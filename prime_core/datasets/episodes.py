@@ -1,6 +1,7 @@
 """The episodes of a LeRobot v3 data set: which there are, and the numbers of each."""
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,10 @@ FEW = 20
 
 
 CLOCK_TOLERANCE = 1e-3  # [s]; LeRobot's own is a tenth of it, but float32 has no more after hours
+
+
+_TEMPLATE = re.compile(r"(?:[^{}\0]|\{(?:chunk|file)_index(?::0?[0-9]?d?)?\})+")
+"""Numbers of few digits: Python's formats can be asked for a billion of them."""
 
 
 Columns = dict[str, NDArray[Any]]
@@ -82,12 +87,11 @@ def read_entries(header: Header) -> list[EpisodeEntry]:
 
 def _data_file(header: Header, chunk: int, file: int) -> Path:
     template = header.info["data_path"]
-    try:
-        return header.folder / str(template.format(chunk_index=chunk, file_index=file))
-    except (LookupError, TypeError, ValueError, AttributeError):
+    if not _TEMPLATE.fullmatch(template):
         raise DatasetError(
             f"{header.info_file}: data_path is {template!r}; LeRobot has {layout.DATA_FILE!r}"
-        ) from None
+        )
+    return header.folder / str(template.format(chunk_index=chunk, file_index=file))
 
 
 def read_episodes(

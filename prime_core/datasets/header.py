@@ -113,7 +113,7 @@ def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
     }
     for key, (kind, what) in asked.items():
         value = info.get(key, "missing")
-        empty = isinstance(value, int | float) and not (math.isfinite(value) and value > 0)
+        empty = isinstance(value, int | float) and not 0 < value < math.inf
         if isinstance(value, bool) or not isinstance(value, kind) or empty or key not in info:
             raise DatasetError(f"{path}: {key} is {value!r}; it should be {what}")
     if fps is not None and info["fps"] != fps:

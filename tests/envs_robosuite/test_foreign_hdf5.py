@@ -353,3 +353,15 @@ def test_a_file_without_permission_is_told_so(tmp_path: Path, states: Any) -> No
     finally:
         os.seteuid(0)
     assert text == "cannot be read: Permission denied"
+
+
+def test_a_small_file_of_very_many_numbers_is_not_read(tmp_path: Path, states: Any) -> None:
+    path = record(tmp_path / "a.hdf5", {"env": "Lift"}, demo_1=good(states))
+    with h5py.File(path, "a") as file:
+        file.create_dataset("data/demo_2/states", (10**9, 32), "f8", chunks=(1000, 32))
+        file["data/demo_2/actions"] = np.zeros((FRAMES, 7))
+    assert path.stat().st_size < 100_000
+    _, refused = read(path)
+    assert str(refused) == (
+        f"{path}: data/demo_2/states has the shape (1000000000, 32); at most 20000000 numbers are read"
+    )
