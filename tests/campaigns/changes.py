@@ -202,7 +202,8 @@ def change_yaml(data: bytes, draw: random.Random) -> bytes:
     lines = (
         f"x: !!python/object/apply:os.system ['{touch}']",
         f"seed: !!python/object/apply:subprocess.check_output [['touch', '{CANARY}']]",
-        f'name: !!python/object/new:type {{args: [z, !!python/tuple [], {{extend: !!python/name:exec}}], listitems: \'open("{CANARY}", "w")\'}}',
+        "name: !!python/object/new:type {args: [z, !!python/tuple [], "
+        f'{{extend: !!python/name:exec}}], listitems: \'open("{CANARY}", "w")\'}}',
         "x: !!python/module:antigravity",
         f"a0: &a0 lol\n{laughs}",
         f"m0: &m0 {{k: v}}\n{merges}",

@@ -12,7 +12,6 @@ import numpy as np
 import orjson
 import pyarrow as pa
 import pyarrow.parquet as pq
-
 from changes import change_json, change_tree, pickle_bomb
 
 

@@ -14,10 +14,11 @@ from file_changes import (
     change_safetensors,
 )
 from good_inputs import LAST, RUN
+
 from prime_core.experiments.results.checksum import with_checksum
 
 Check = Callable[[Path, Path], str | None]
-"""Returns what is wrong with what a command left, of the folder it ran in and that of good inputs."""
+"""Returns what is wrong with what a command left, of its folder and that of good inputs."""
 
 Change = Callable[[Path, Path, random.Random], str]
 """Changes a file, given the folder of good inputs too, and returns in what way."""

@@ -2,13 +2,13 @@
 
     python tests/campaigns/mutations.py --inputs 1000 --seed 0 --work /tmp/mutations
 
-Each input is a fresh copy of a folder of good ones (`good_inputs.py`) in which one file is changed,
-blindly or in a way that knows its format. The command that reads it is run, watched, in a forked child
-(`contained_command.py`), and every 50th once more in an interpreter of its own, which must say the
-same. It must hold: exit code 0, 1 or 2; on failure a few lines that name the file; no traceback and no
-warning of Python; nothing of the input run as code; nothing written outside of the output folder;
-bounded time and memory; and what prime itself wrote is never read as something else: a run that
-succeeds has the results of the good one, byte for byte.
+Each input is a fresh copy of a folder of good ones (`good_inputs.py`) in which one file is changed
+(`input_kinds.py`), blindly (`changes.py`) or in a way that knows its format (`file_changes.py`).
+The command that reads it is run, watched, in a forked child (`contained_command.py`), and every
+100th once more in an interpreter of its own, which must say the same. It must hold: exit code 0, 1
+or 2; on failure a few lines that name the file; no traceback and no warning of Python; nothing of the
+input run as code; nothing written outside of the output folder; bounded time and memory; and what
+prime itself wrote is never read as something else: a run that succeeds has the good one's results.
 """
 
 import argparse
@@ -28,12 +28,12 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "TQDM_DISABLE"):
 
 from changes import CANARY
 from contained_command import Limits, Outcome, run_contained
-from good_inputs import ROOT, RUN, make_inputs
+from good_inputs import ROOT, make_inputs
 from input_kinds import KINDS, Input, Kind
 
-LIMITS = Limits(seconds=120.0, growth=2**30)
+LIMITS = Limits(seconds=60.0, growth=2**30)
 MOST_LINES, MOST_TEXT = 12, 6000
-FRESH = 50
+FRESH = 100
 """Of so many inputs one is also given to an interpreter of its own."""
 
 NOISE = re.compile(r"Traceback|\b\w*Warning:|Error:.*\n +File|core dumped|Exception ignored")
@@ -139,7 +139,7 @@ def compare_with_fresh(made: Input, outcome: Outcome, sandbox: Path) -> list[str
         env={**os.environ, **places},
         capture_output=True,
         stdin=subprocess.DEVNULL,
-        timeout=10 * LIMITS.seconds,
+        timeout=30 * LIMITS.seconds,
     )
     shutil.rmtree(there)
     told = (
@@ -188,9 +188,8 @@ def main() -> int:
     print(f"most memory: {campaign.widest[0] >> 20} MiB, {campaign.widest[1]}")
     total = sum(sum(counts.values()) for counts in campaign.counts.values())
     bad = sum(counts["problem"] for counts in campaign.counts.values())
-    print(
-        f"{total - bad} of {total} in {(time.monotonic() - begun) / 60:.0f} minutes, seed {asked.seed}"
-    )
+    minutes = (time.monotonic() - begun) / 60
+    print(f"{total - bad} of {total} in {minutes:.0f} minutes, seed {asked.seed}")
     return 1 if bad else 0
 
 

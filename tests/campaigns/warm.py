@@ -12,7 +12,7 @@ def warm_up() -> None:
     import rich.syntax  # noqa: F401
     import torch
 
-    import prime_core.cli  # noqa: F401
+    import prime_core.cli
     import prime_core.experiments.experiment
     import prime_core.experiments.parse_dataset
     import prime_core.experiments.results.comparison

@@ -363,5 +363,6 @@ def test_a_small_file_of_very_many_numbers_is_not_read(tmp_path: Path, states: A
     assert path.stat().st_size < 100_000
     _, refused = read(path)
     assert str(refused) == (
-        f"{path}: data/demo_2/states has the shape (1000000000, 32); at most 20000000 numbers are read"
+        f"{path}: data/demo_2/states has the shape (1000000000, 32); at most 20000000 numbers are "
+        "read"
     )

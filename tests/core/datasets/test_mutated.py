@@ -1,4 +1,4 @@
-"""Data sets that were changed so that a reader might run on for ever, or fail in a way of its own."""
+"""Data sets that were changed so that reading may take all memory, or fail at odd places."""
 
 import json
 from pathlib import Path

@@ -187,8 +187,8 @@ def test_an_index_cannot_have_a_file_unpickled(
     with pytest.raises(DamagedError) as caught:
         open_run(folder).idm.load()
     assert str(caught.value) == (
-        f"{idm}: 'model' of stage 'idm' is damaged: it cannot be read (LookupError: its index names "
-        "'Pickle' of 'data/evil.pkl'). 'prime run' makes it anew; or remove the folder"
+        f"{idm}: 'model' of stage 'idm' is damaged: it cannot be read (LookupError: its index "
+        "names 'Pickle' of 'data/evil.pkl'). 'prime run' makes it anew; or remove the folder"
     )
     prime_run()
     assert "1 models of idm were damaged, and are made anew" in capsys.readouterr().out
@@ -225,7 +225,7 @@ def test_a_mark_of_code_with_strange_values_names_itself(
     path = toy(folder=folder).idm.folder / "code.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), **change}))
     with pytest.raises(DamagedError) as caught:
-        toy(folder=folder).stages
+        toy(folder=folder)
     assert str(caught.value) == (
         f"{path} is damaged: remove it, then what lies beside it counts as made by unknown code"
     )
