@@ -6,9 +6,10 @@ Each input is a fresh copy of a folder of good ones (`good_inputs.py`) in which 
 (`input_kinds.py`), blindly (`changes.py`) or in a way that knows its format (`file_changes.py`).
 The command that reads it is run, watched, in a forked child (`contained_command.py`), and every
 100th once more in an interpreter of its own, which must say the same. It must hold: exit code 0, 1
-or 2; on failure a few lines that name the file; no traceback and no warning of Python; nothing of the
-input run as code; nothing written outside of the output folder; bounded time and memory; and what
-prime itself wrote is never read as something else: a run that succeeds has the good one's results.
+or 2; on failure a few lines that name the file; no traceback and no warning of Python; nothing of
+the input run as code; nothing written outside of the output folder; bounded time and memory; and
+what prime itself wrote is never read as something else: a run that succeeds has the good one's
+results.
 """
 
 import argparse
