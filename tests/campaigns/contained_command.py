@@ -233,6 +233,8 @@ class _Watch:
             base = os.readlink(f"/proc/self/fd/{folder}") if folder else os.getcwd()
             text = os.path.join(base, text)
         place = os.path.join(os.path.realpath(os.path.dirname(text)), os.path.basename(text))
-        allowed = place == os.devnull or "__pycache__" in place or place.startswith(self._free)
+        allowed = (
+            place == os.devnull or "__pycache__" in place or f"{place}/".startswith(self._free)
+        )
         if not allowed:
             self._note(f"{event} {place}")

@@ -31,6 +31,7 @@ from changes import CANARY
 from contained_command import Limits, Outcome, run_contained
 from good_inputs import ROOT, make_inputs
 from input_kinds import KINDS, Input, Kind
+from warm import read_code, warm_up
 
 LIMITS = Limits(seconds=60.0, growth=2**30)
 MOST_LINES, MOST_TEXT = 12, 6000
@@ -71,7 +72,7 @@ class Campaign:
         shutil.rmtree(sandbox / "bombs")
         made = kind.make(sandbox, self.base, draw)
         before = listing(sandbox)
-        fresh = number % FRESH == 0
+        fresh = number % FRESH == FRESH - 1
         if fresh:
             shutil.copytree(sandbox, sandbox.with_name("fresh"), symlinks=True)
         outcome = run_contained(made.arguments, sandbox, LIMITS)
@@ -170,10 +171,9 @@ def main() -> int:
     parser.add_argument("--only", type=int, action="append", help="Only inputs of these numbers.")
     asked = parser.parse_args()
     work = asked.work.resolve()
-    from warm import warm_up
-
     warm_up()
     make_inputs(work / "base")
+    read_code(work / "base" / "given" / "lift.yaml")
     campaign = Campaign(work / "base", work, random.Random(asked.seed))
     begun = time.monotonic()
     chosen = campaign.draw.choices(KINDS, [kind.weight for kind in KINDS], k=asked.inputs)

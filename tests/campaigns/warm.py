@@ -1,5 +1,7 @@
 """Does in this process what takes long and is the same for every command, before it is forked."""
 
+from pathlib import Path
+
 
 def warm_up() -> None:
     """Import what commands import, and compile what environments run."""
@@ -26,3 +28,12 @@ def warm_up() -> None:
     lift.reset(seed=0)
     lift.step(np.zeros(5))
     lift.close()
+
+
+def read_code(file: Path) -> None:
+    """Read the code that an experiment's stages are made by, which every command would read."""
+    from prime_core.experiments.experiment import Experiment
+    from prime_core.experiments.reading import read_experiment
+
+    for stage in Experiment(read_experiment(file), file.parent / "nowhere").stages.values():
+        stage.code_now()

@@ -40,31 +40,34 @@ def refusal(folder: Path) -> str:
 def test_a_path_of_data_holds_two_short_numbers_and_nothing_else(
     tmp_path: Path, template: str
 ) -> None:
-    write(tmp_path)
-    info = json.loads((tmp_path / INFO).read_text())
-    (tmp_path / INFO).write_text(json.dumps({**info, "data_path": template}))
-    assert refusal(tmp_path) == f"{INFO}: data_path is {template!r}; {LEROBOTS}"
+    folder = tmp_path / "set"
+    write(folder)
+    info = json.loads((folder / INFO).read_text())
+    (folder / INFO).write_text(json.dumps({**info, "data_path": template}))
+    assert refusal(folder) == f"{INFO}: data_path is {template!r}; {LEROBOTS}"
 
 
 @pytest.mark.parametrize("key", ["fps", "total_episodes"])
 def test_a_number_beyond_all_floats_is_a_number(tmp_path: Path, key: str) -> None:
-    write(tmp_path)
-    info = json.loads((tmp_path / INFO).read_text())
-    (tmp_path / INFO).write_text(json.dumps({**info, key: 10**400}))
-    assert f"{key} is 1000" in refusal(tmp_path) or f"{key} 1000" in refusal(tmp_path)
+    folder = tmp_path / "set"
+    write(folder)
+    info = json.loads((folder / INFO).read_text())
+    (folder / INFO).write_text(json.dumps({**info, key: 10**400}))
+    assert f"{key} is 1000" in refusal(folder) or f"{key} 1000" in refusal(folder)
 
 
 @pytest.mark.parametrize(("name", "key"), [(DATA, "frame_index"), (EPISODES, "length")])
 def test_a_small_file_of_very_many_equal_numbers_is_not_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, key: str
 ) -> None:
-    write(tmp_path)
-    few = pq.read_table(tmp_path / name).slice(0, 1)
+    folder = tmp_path / "set"
+    write(folder)
+    few = pq.read_table(folder / name).slice(0, 1)
     many: Any = pa.concat_tables([few] * 2000)
-    pq.write_table(many, tmp_path / name)
-    assert (tmp_path / name).stat().st_size < 100_000
+    pq.write_table(many, folder / name)
+    assert (folder / name).stat().st_size < 100_000
     monkeypatch.setattr(parquet_reader, "MOST_NUMBERS", 5000)
-    text = refusal(tmp_path)
+    text = refusal(folder)
     assert text.startswith(f"{name} holds ")
     assert text.endswith(
         " numbers in the columns that are read; at most 5000 of a file are read: LeRobot begins "
