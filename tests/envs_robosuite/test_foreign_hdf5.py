@@ -270,6 +270,9 @@ def test_bad_demonstrations_do_not_end_the_others(
     holed = changed(states, lambda rows: rows.__setitem__((2, 3), np.nan))
     degrees = changed(states, lambda rows: rows.__setitem__((slice(None), 2), 120.0))
     flat = changed(states, lambda rows: rows.__setitem__((slice(None), slice(13, 17)), 0.0))
+    wide = changed(states, lambda rows: rows.__setitem__((1, 8), 1e300))
+    far = changed(states, lambda rows: rows.__setitem__((1, 10), -1e30))
+    fast = changed(states, lambda rows: rows.__setitem__((1, 20), 1e300))
     slow = changed(states, lambda rows: rows.__imul__(np.r_[2.0, np.ones(31)]))
     path = record(
         tmp_path / "a.hdf5",
@@ -285,6 +288,9 @@ def test_bad_demonstrations_do_not_end_the_others(
         demo_8=good(states, actions=np.array([["a"] * 7] * FRAMES, dtype="S1")),
         demo_9={},
         demo_10=good(states),
+        demo_14=good(wide),
+        demo_15=good(far),
+        demo_16=good(fast),
     )
     with h5py.File(path, "a") as file:
         file["data/demo_11"] = np.zeros(3)
@@ -310,6 +316,11 @@ def test_bad_demonstrations_do_not_end_the_others(
         11: "demo_11 is no group of a demonstration",
     }
     assert said[12].startswith("demo_12: cannot be read: ")
+    assert [said[number] for number in (14, 15, 16)] == [
+        "demo_14: a finger is at 1e+300 m; at most 0.3",
+        "demo_15: the object is at 1e+30 m; at most 10.0",
+        "demo_16: a velocity is 1e+300 m/s or rad/s; at most 10000.0",
+    ]
     assert said[13] == "demo_13: has no data set 'actions'; it holds actions, states"
 
 

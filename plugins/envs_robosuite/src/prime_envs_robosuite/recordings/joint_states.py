@@ -26,6 +26,9 @@ OBSERVED_OBJECT = (10, 14)
 where it is from the gripper, PickPlace how it is turned from there, too."""
 NORM_TOLERANCE = 0.05  # of a recorded quaternion
 MOST_TURNED = 2 * np.pi  # radians of a joint of the arm
+WIDEST = 0.3  # metres of a finger
+FARTHEST = 10.0  # metres of the object from the origin
+FASTEST = 1e4  # metres or radians a second; float32 holds more, physics does not
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,14 @@ class JointState:
             raise DemonstrationError(
                 f"{where}: a joint of the arm is at {turned:.4g}; joint positions are radians"
             )
+        for what, values, most, unit in (
+            ("a finger is at", self.positions[:, ARM : ARM + FINGERS], WIDEST, "m"),
+            ("the object is at", self.positions[:, -POSE:-4], FARTHEST, "m"),
+            ("a velocity is", self.velocities, FASTEST, "m/s or rad/s"),
+        ):
+            found = float(np.abs(values).max())
+            if found > most:
+                raise DemonstrationError(f"{where}: {what} {found:.4g} {unit}; at most {most}")
         lengths = np.linalg.norm(self.positions[:, -4:], axis=1)
         if np.any(np.abs(lengths - 1) > NORM_TOLERANCE):
             frame = int(np.argmax(np.abs(lengths - 1)))
