@@ -15,7 +15,7 @@ import typer
 
 from prime_core.cli.compare import compare
 from prime_core.cli.options import OWN_COMMANDS
-from prime_core.cli.output import answering, given_back, output_apart
+from prime_core.cli.output import answering, given_back, output_apart, tell
 from prime_core.cli.parse import parse
 from prime_core.cli.plugins import plugins
 from prime_core.cli.run import run
@@ -112,10 +112,10 @@ def main() -> None:
         try:
             build_app(stream)()
         except PrimeError as error:
-            print(f"prime: {error}", file=sys.stderr)
+            tell(str(error))
             sys.exit(1)
         except OSError as error:
-            print(f"prime: {_of_place(error) or error}", file=sys.stderr)
+            tell(str(_of_place(error) or error))
             sys.exit(1)
         except KeyboardInterrupt:
             print("prime: interrupted", file=sys.stderr)

@@ -24,10 +24,12 @@ def compare(
         say(comparison.markdown(rows))
         return
     from rich.table import Table
+    from rich.text import Text
 
     table = Table()
     for number, title in enumerate(rows[0]):
-        table.add_column(title, justify="right" if number else "left", overflow="fold")
+        # Text, for names may look like rich's markup.
+        table.add_column(Text(title), justify="right" if number else "left", overflow="fold")
     for row in rows[1:]:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     console().print(table)

@@ -14,6 +14,9 @@ from typing import TYPE_CHECKING, TextIO
 if TYPE_CHECKING:
     from rich.console import Console
 
+_MOST_LINES, _LONGEST = 10, 1000
+"""Of what is told of an error: files may hold any amount of what should not be there."""
+
 _answers: TextIO | None = None
 
 
@@ -27,6 +30,22 @@ def console() -> "Console":
     from rich.console import Console
 
     return Console(file=_answers or sys.stdout)
+
+
+def tell(text: str) -> None:
+    """Print what went wrong, without what moves a terminal's cursor and in a few lines."""
+    lines = [_readable(line) for line in text.split("\n")]
+    more = len(lines) - _MOST_LINES
+    if more > 0:
+        lines[_MOST_LINES:] = [f"... and {more} more"]
+    print("prime: " + "\n".join(lines), file=sys.stderr)
+
+
+def _readable(line: str) -> str:
+    if len(line) > _LONGEST:
+        half = _LONGEST // 2
+        line = f"{line[:half]} ... {line[-half:]}"
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in line)
 
 
 @contextmanager

@@ -34,7 +34,7 @@ CLOCK_TOLERANCE = 1e-3  # [s]; LeRobot's own is a tenth of it, but float32 has n
 Columns = dict[str, NDArray[Any]]
 
 
-_INDEX = re.compile(r"\{(chunk|file)_index(:0?\d{0,2}d?)?\}")
+_INDEX = re.compile(r"\{(chunk|file)_index(:0?[0-9]?d?)?\}")
 """What stands for a number in ``data_path``."""
 
 
@@ -89,7 +89,8 @@ def _data_file(header: Header, chunk: int, file: int) -> Path:
     template: str = header.info["data_path"]
     rest, place = _INDEX.sub("", template), Path(template)
     # What else format() takes reaches into objects or fills the memory.
-    if set("{}\0") & set(rest) or place.is_absolute() or ".." in place.parts:
+    odd = set("{}\0") & set(rest) or not template
+    if odd or place.is_absolute() or ".." in place.parts:
         raise DatasetError(
             f"{header.info_file}: data_path is {template!r}; it should be a path inside of the "
             f"data set: LeRobot has {layout.DATA_FILE!r}"

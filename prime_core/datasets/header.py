@@ -114,7 +114,7 @@ def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
     }
     for key, (kind, what) in asked.items():
         value = info.get(key, "missing")
-        empty = isinstance(value, int | float) and not (math.isfinite(value) and value > 0)
+        empty = isinstance(value, int | float) and not 0 < value < math.inf
         beyond = key == "total_episodes" and isinstance(value, int) and value > GREATEST_COUNT
         wrong = isinstance(value, bool) or not isinstance(value, kind) or key not in info
         if wrong or empty or beyond:

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from prime_core.errors import DatasetError
 
+MOST_NUMBERS = 100_000_000
+"""In a file; those of LeRobot's size hold a fifth of it."""
+
 BROKEN = (
     "the file is broken or was never finished (LeRobot's recorder completes its files in "
     "finalize(); a recording that was killed before cannot be read): record it again, or take a "
@@ -57,10 +60,12 @@ def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | Non
     except OSError as error:
         raise DatasetError(f"{path} cannot be read: {error.strerror or error}") from error
     try:
-        present = pq.read_schema(path).names
+        metadata = pq.read_metadata(path)
+        present = metadata.schema.to_arrow_schema().names
         missing = [name for name in columns if name not in present]
         double = [name for name in columns if present.count(name) > 1]
         if not missing and not double:
+            _check_size(path, metadata, columns)
             chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
             # Without partitioning=None a folder named "seed=0" would become a column.
             return pq.read_table(path, columns=list(columns), filters=chosen, partitioning=None)
@@ -72,6 +77,25 @@ def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | Non
         f"{path} has no column {missing[0]!r}; it has {', '.join(present[:12])}. "
         "A data set's features are those of its meta/info.json"
     )
+
+
+def _check_size(path: Path, metadata: Any, columns: Sequence[str]) -> None:
+    """Make sure that memory holds what a file stands for: equal values take up next to nothing.
+
+    Raises:
+        DatasetError: If it does not.
+    """
+    groups = map(metadata.row_group, range(metadata.num_row_groups))
+    chunks = (group.column(number) for group in groups for number in range(group.num_columns))
+    wanted = tuple(f"{name}." for name in columns)  # names hold dots, and so do paths of lists
+    count = sum(
+        chunk.num_values for chunk in chunks if f"{chunk.path_in_schema}.".startswith(wanted)
+    )
+    if not 0 <= count <= MOST_NUMBERS:
+        raise DatasetError(
+            f"{path} holds {count} numbers in the columns that are read; at most {MOST_NUMBERS} of "
+            "a file are read: LeRobot begins another file after 100 MB"
+        )
 
 
 def _first_line(error: Exception) -> str:

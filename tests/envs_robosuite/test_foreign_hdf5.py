@@ -294,6 +294,8 @@ def test_bad_demonstrations_do_not_end_the_others(
     holed = changed(states, lambda rows: rows.__setitem__((2, 3), np.nan))
     degrees = changed(states, lambda rows: rows.__setitem__((slice(None), 2), 120.0))
     flat = changed(states, lambda rows: rows.__setitem__((slice(None), slice(13, 17)), 0.0))
+    far = changed(states, lambda rows: rows.__setitem__((1, 10), -1e30))
+    fast = changed(states, lambda rows: rows.__setitem__((1, 20), 1e300))
     slow = changed(states, lambda rows: rows.__imul__(np.r_[2.0, np.ones(31)]))
     millimetres = changed(states, lambda rows: rows.__setitem__((slice(None), 12), 830.0))
     wide = changed(states, lambda rows: rows.__setitem__((slice(None), 8), 40.0))
@@ -313,6 +315,8 @@ def test_bad_demonstrations_do_not_end_the_others(
         demo_10=good(states),
         demo_14=good(millimetres),
         demo_15=good(wide),
+        demo_16=good(far),
+        demo_17=good(fast),
     )
     with h5py.File(path, "a") as file:
         file["data/demo_11"] = np.zeros(3)
@@ -337,9 +341,13 @@ def test_bad_demonstrations_do_not_end_the_others(
         9: "demo_9: has no data set 'states'; it holds nothing",
         11: "demo_11 is no group of a demonstration",
     }
-    metres = "positions are metres, at most"
+    metres = "it should be metres, at most"
     assert said[14] == f"demo_14: the object is at 830; {metres} 10"
     assert said[15] == f"demo_15: a finger is at 40; {metres} 0.3"
+    assert said[16] == f"demo_16: the object is at 1e+30; {metres} 10"
+    assert said[17] == (
+        "demo_17: a velocity is 1e+300; it should be metres or radians a second, at most 10000"
+    )
     assert said[12].startswith("demo_12: cannot be read: ")
     assert said[13] == "demo_13: has no data set 'actions'; it holds actions, states"
 
@@ -384,3 +392,16 @@ def test_a_file_without_permission_is_told_so(tmp_path: Path, states: Any) -> No
     finally:
         os.seteuid(0)
     assert text == "cannot be read: Permission denied"
+
+
+def test_a_small_file_of_very_many_numbers_is_not_read(tmp_path: Path, states: Any) -> None:
+    path = record(tmp_path / "a.hdf5", {"env": "Lift"}, demo_1=good(states))
+    with h5py.File(path, "a") as file:
+        file.create_dataset("data/demo_2/states", (10**9, 32), "f8", chunks=(1000, 32))
+        file["data/demo_2/actions"] = np.zeros((FRAMES, 7))
+    assert path.stat().st_size < 100_000
+    _, refused = read(path)
+    assert str(refused) == (
+        f"{path}: data/demo_2/states has the shape (1000000000, 32); at most 20000000 numbers are "
+        "read"
+    )

@@ -26,7 +26,7 @@ def read_results(path: Path) -> dict[str, Any]:
         found = json.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise PrimeError(f"{file}: there is no such file: prime run leaves one") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise PrimeError(f"{file}: cannot be read as JSON: {error}") from None
     if isinstance(found, dict) and not is_whole(found):
         raise PrimeError(
@@ -35,9 +35,11 @@ def read_results(path: Path) -> dict[str, Any]:
         )
     if not isinstance(found, dict) or not {"name", "results"} <= set(found):
         raise PrimeError(f"{file}: a results file has the keys 'name' and 'results'")
+    if not isinstance(found["name"], str):
+        raise PrimeError(f"{file}: 'name' is {found['name']!r}; it must be a text")
     try:
         figures_of(found)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise PrimeError(
             f"{file}: 'results' or 'variants' is not what prime run leaves: {error!r}"
         ) from None

@@ -11,6 +11,7 @@ from typing import Any
 
 import exca
 import orjson
+from exca.cachedict import CacheDict, DumpContext
 from exca.cachedict.inflight import InflightRegistry, Pid
 
 from prime_core.files import new_file
@@ -19,8 +20,33 @@ _INFO = "*-info.jsonl"
 """Files of exca with a line for each item; each process writes its own."""
 
 
+_HANDLERS = ("Auto", "Json", "MemmapArray")
+"""exca's, that results of stages are kept by. Others unpickle what an index names, or remove it."""
+
+
+class _OwnFiles(DumpContext):
+    """Reads and removes nothing but what stages keep, whatever an index that was changed says."""
+
+    def _resolve_type(self, info: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        kind, place = info.get("#type"), info.get("filename", f"{self.DATA_DIR}/")
+        if kind not in _HANDLERS or os.path.dirname(place) != self.DATA_DIR:
+            raise LookupError(f"its index names {kind!r} of {place!r}")
+        return super()._resolve_type(info)
+
+    def delete(self, info: Any) -> None:
+        """Leave files alone: each holds several items."""
+
+
 class StageInfra(exca.MapInfra):
     """exca's, which does not ask for a folder before there is something to keep."""
+
+    @property
+    def cache_dict(self) -> CacheDict[Any]:
+        """exca's, which reads by handlers that run no code."""
+        cache = super().cache_dict
+        if cache.folder is not None and not isinstance(cache._dumper, _OwnFiles):
+            cache._dumper = _OwnFiles(cache.folder)
+        return cache
 
     def model_post_init(self, log__: Any) -> None:
         """Set up as exca does, but for its look at the folder: questions write nothing."""

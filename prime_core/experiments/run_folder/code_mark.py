@@ -5,6 +5,8 @@ import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from prime_core.errors import DamagedError
 from prime_core.experiments.run_folder.code import Code, changes, digest_of
 from prime_core.files import new_file
@@ -46,6 +48,9 @@ class CodeMark:
         return changes(self.made_by, code) if self.made_by else [UNKNOWN]
 
 
+_MARK = TypeAdapter(CodeMark)
+
+
 def new_mark(stage: str, version: str, made_by: Code) -> CodeMark:
     """Return a mark of a stage that begins now."""
     return CodeMark(stage, version, made_by, begun=time.time())
@@ -70,11 +75,10 @@ def read_mark(folder: Path) -> CodeMark | None:
     """
     path = folder / NAME
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-        return CodeMark(**{**data, "kept_for": tuple(data["kept_for"])})
+        return _MARK.validate_json(path.read_bytes())
     except FileNotFoundError:
         return None
-    except (ValueError, TypeError, KeyError):
+    except ValueError:
         raise DamagedError(
             f"{path} is damaged: remove it, then what lies beside it counts as made by unknown code"
         ) from None

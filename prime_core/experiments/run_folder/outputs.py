@@ -147,7 +147,7 @@ def _settings(text: str) -> Any:
     """Return an experiment as plain data, without where it runs; None if it cannot be read."""
     try:
         data = yaml.safe_load(text)
-    except yaml.YAMLError:
+    except (yaml.YAMLError, ValueError, RecursionError):  # such as dates that are none
         return None
     return {**data, "compute": None} if isinstance(data, dict) else None
 

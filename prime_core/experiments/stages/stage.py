@@ -34,6 +34,18 @@ from prime_core.experiments.run_folder.parent import stop_without_parent
 from prime_core.experiments.run_folder.seal import SEAL, TIMING, damage_of, remove, sealed
 from prime_core.experiments.run_folder.settings_of import makers, settings_in
 
+_UNREADABLE = (
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
+"""What exca raises where its files are not what they were."""
+
 Result = dict[str, Any]
 """What an item gives: arrays, numbers, text, and lists and mappings of them."""
 
@@ -135,7 +147,7 @@ class Stage(BaseModel):
         try:
             (result,) = self.compute([item])
             damage = None if item in self._sound else damage_of(result, self.folder)
-        except (LookupError, OSError, RuntimeError, TypeError, ValueError) as error:
+        except _UNREADABLE as error:
             text = str(error).partition("\n")[0]
             return {}, f"it cannot be read ({type(error).__name__}: {text})"
         if damage is None:

@@ -172,3 +172,14 @@ def test_prime_works_without_standard_output(
 
     code, _, err = ended(start("validate", "toy.yaml", preexec_fn=close))
     assert (code, err) == (0, "")
+
+
+def test_what_is_told_of_an_error_is_short_and_moves_no_cursor(
+    start: Callable[..., subprocess.Popen[bytes]],
+) -> None:
+    long = "a" * 100_000
+    running = start("validate", "toy.yaml", "--set", "nowhere.\x1b[2J=1", "--set", f"{long}=1")
+    _, told = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert b"\x1b" not in told
+    assert len(told) < 5000

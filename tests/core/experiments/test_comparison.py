@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from prime_core.cli.compare import compare
 from prime_core.errors import PrimeError
 from prime_core.experiments.results.comparison import comparison_rows, markdown, read_results
 
@@ -63,3 +64,50 @@ def test_what_is_no_results_file_is_refused(
     with pytest.raises(PrimeError, match=complaint) as caught:
         read_results(tmp_path)
     assert str(file) in str(caught.value)
+
+
+STRANGE = {
+    "deep": ("[" * 100_000, "cannot be read as JSON: maximum recursion depth exceeded"),
+    "a name that is none": ('{"name": ["a"], "results": {}}', "'name' is ['a']; it must be a text"),
+    "a number beyond all floats": (
+        json.dumps({"name": "a", "results": {"idm": {"balanced_accuracy": 10**400}}}),
+        "'results' or 'variants' is not what prime run leaves: OverflowError(",
+    ),
+    "too few numbers": (
+        json.dumps(
+            {
+                "name": "a",
+                "results": {
+                    "evaluation.prime": {
+                        "success": {"mean": 0.5, "standard_deviation": 0.1},
+                        "fresh": {"interval_95": []},
+                    }
+                },
+            }
+        ),
+        "'results' or 'variants' is not what prime run leaves: ValueError(",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", STRANGE)
+def test_strange_results_are_refused(tmp_path: Path, case: str) -> None:
+    text, wanted = STRANGE[case]
+    path = tmp_path / "results.json"
+    path.write_text(text)
+    with pytest.raises(PrimeError) as caught:
+        read_results(path)
+    assert str(caught.value).startswith(f"{path}: {wanted}")
+
+
+def test_names_that_look_like_markup_are_shown_as_they_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draws = {"[/red]": {"prior": {"share": 0.5}, "uniform": {"share": None}}}
+    results = {"collection": {"transitions": 3, "draws": draws}}
+    path = tmp_path / "results.json"
+    path.write_text(json.dumps({"name": "[/bold] mine", "results": results}))
+    compare([path], markdown=False)
+    shown = capsys.readouterr().out
+    assert "[/bold] mine" in shown
+    assert "draws of [/red] that passed" in shown

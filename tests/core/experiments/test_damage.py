@@ -1,6 +1,7 @@
 """Files of a run that were damaged are noticed, and made anew or named."""
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -162,3 +163,85 @@ def test_who_only_reads_is_told_what_is_damaged(folder: Path, toy: Make) -> None
         f"{job.idm.folder}: 'model' of stage 'idm' is damaged: model/done.txt was changed. 'prime "
         "run' makes it anew; or remove the folder"
     )
+
+
+def rewrite_index(folder: Path, stage: str, **info: Any) -> None:
+    """Let the index of a stage say something else of its first item."""
+    (path,) = (folder / "stages").glob(f"*{stage}.compute*/*/*-info.jsonl")
+    first, *others = path.read_bytes().splitlines(keepends=True)
+    line = json.dumps({"#key": json.loads(first)["#key"], **info})
+    path.write_bytes(line.encode() + b"\n" + b"".join(others))
+
+
+CANARY = b"cbuiltins\nopen\n(S'%s'\nS'w'\ntR."
+"""A pickle that makes a file."""
+
+
+def test_an_index_cannot_have_a_file_unpickled(
+    folder: Path, prime_run: Run, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before, canary = figures(folder), folder / "canary"
+    rewrite_index(folder, "IdmTraining", **{"#type": "Pickle", "filename": "data/evil.pkl"})
+    (idm,) = (folder / "stages").glob("*IdmTraining.compute*/*")
+    (idm / "data").mkdir(exist_ok=True)
+    (idm / "data" / "evil.pkl").write_bytes(CANARY % str(canary).encode())
+    with pytest.raises(DamagedError) as caught:
+        open_run(folder).idm.load()
+    assert str(caught.value) == (
+        f"{idm}: 'model' of stage 'idm' is damaged: it cannot be read (LookupError: its index "
+        "names 'Pickle' of 'data/evil.pkl'). 'prime run' makes it anew; or remove the folder"
+    )
+    prime_run()
+    assert "1 models of idm were damaged, and are made anew" in capsys.readouterr().out
+    assert figures(folder) == before
+    assert not canary.exists()
+
+
+@pytest.mark.parametrize("kind", ["Pickle", "NumpyArray", "Json"])
+def test_an_index_cannot_have_a_file_outside_of_the_stage_read_or_removed(
+    folder: Path, prime_run: Run, kind: str
+) -> None:
+    before, other = figures(folder), folder.parent / "precious.json"
+    other.write_text("{}")
+    (stage,) = (folder / "stages").glob("*Collection.compute*/*")
+    place: dict[str, Any] = {"filename": os.path.relpath(other, stage)}
+    if kind == "Json":
+        place |= {"offset": 0, "length": 2}
+    rewrite_index(folder, "Collection", **{"#type": kind, **place})
+    prime_run()
+    assert other.read_text() == "{}"
+    assert figures(folder) == before
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"made_by": ["prime_core"]},
+        {"made_by": {"prime_core": 1}},
+        {"begun": "today"},
+        {"kept_for": 3},
+        {"stage": None},
+    ],
+)
+def test_a_mark_of_code_with_strange_values_names_itself(
+    folder: Path, toy: Make, change: dict[str, Any]
+) -> None:
+    path = toy(folder=folder).idm.folder / "code.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), **change}))
+    with pytest.raises(DamagedError) as caught:
+        toy(folder=folder)
+    assert str(caught.value) == (
+        f"{path} is damaged: remove it, then what lies beside it counts as made by unknown code"
+    )
+
+
+@pytest.mark.parametrize("header", ["x: 2001-99-99\n", "x: " + "[" * 5000 + "\n"])
+def test_an_experiment_that_no_yaml_reader_takes_is_one_of_others(
+    folder: Path, prime_run: Run, header: str
+) -> None:
+    path = folder / "experiment.yaml"
+    path.write_text(header + path.read_text())
+    before = figures(folder)
+    prime_run()
+    assert figures(folder) == before
+    assert open_run(folder).config.name == "toy"

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from prime_core.errors import DatasetError, DemonstrationError, PrimeError
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
+MOST_NUMBERS = 20_000_000
+"""In an array of a demonstration; an hour of Lift has a tenth of it."""
 LAYOUTS = (
     "Expected is the layout of robosuite's collect_human_demonstrations or of robomimic: a group "
     "'data' with a group for each demonstration"
@@ -172,6 +174,11 @@ def array_of(where: str, group: Any, key: str) -> NDArray[np.float64]:
     stored = group[key]
     if stored.dtype.kind not in "fiu":
         raise DemonstrationError(f"{where}/{key} holds {stored.dtype}; it must hold numbers")
+    if stored.size is not None and stored.size > MOST_NUMBERS:
+        # A file of kilobytes may stand for them: what was never written takes up nothing.
+        raise DemonstrationError(
+            f"{where}/{key} has the shape {stored.shape}; at most {MOST_NUMBERS} numbers are read"
+        )
     values = np.asarray(stored, dtype=np.float64)
     if values.ndim != 2 or len(values) < 2 or not np.all(np.isfinite(values)):
         raise DemonstrationError(

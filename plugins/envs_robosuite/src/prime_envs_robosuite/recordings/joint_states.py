@@ -28,6 +28,7 @@ NORM_TOLERANCE = 0.05  # of a recorded quaternion
 MOST_TURNED = 2 * np.pi  # radians of a joint of the arm
 WIDEST = 0.3  # metres that a finger may be from the middle
 FARTHEST = 10.0  # metres from the origin where an object may be
+FASTEST = 1e4  # metres or radians a second; float32 holds more, physics does not
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,14 +54,15 @@ class JointState:
             raise DemonstrationError(
                 f"{where}: a joint of the arm is at {turned:.4g}; joint positions are radians"
             )
-        for what, values, most in (
-            ("a finger", self.positions[:, ARM : ARM + FINGERS], WIDEST),
-            ("the object", self.positions[:, -POSE:-4], FARTHEST),
+        for what, values, most, units in (
+            ("a finger is at", self.positions[:, ARM : ARM + FINGERS], WIDEST, "metres"),
+            ("the object is at", self.positions[:, -POSE:-4], FARTHEST, "metres"),
+            ("a velocity is", self.velocities, FASTEST, "metres or radians a second"),
         ):
-            farthest = float(np.abs(values).max())
-            if farthest > most:
+            found = float(np.abs(values).max())
+            if found > most:
                 raise DemonstrationError(
-                    f"{where}: {what} is at {farthest:.4g}; positions are metres, at most {most:g}"
+                    f"{where}: {what} {found:.4g}; it should be {units}, at most {most:g}"
                 )
         lengths = np.linalg.norm(self.positions[:, -4:], axis=1)
         if np.any(np.abs(lengths - 1) > NORM_TOLERANCE):
