@@ -16,31 +16,38 @@ TIMING = "timing"
 BESIDE = (SEAL, TIMING)
 
 
-def sealed(result: Mapping[str, Any], folder: Path, outputs: Iterable[Path]) -> dict[str, Any]:
-    """Return the digests of a result and of files.
+def sealed(
+    item: str, result: Mapping[str, Any], folder: Path, outputs: Iterable[Path]
+) -> dict[str, Any]:
+    """Return the digests of a result and of files, and whose they are.
 
     Args:
-        result: What an item gives.
+        item: The item.
+        result: What it gives.
         folder: Of the stage.
-        outputs: Files, and folders of files, that the item left in it.
+        outputs: Files, and folders of files, that it left in it.
     """
     files = sorted(file for path in outputs for file in _files(path))
     return {
+        "item": item,
         "result": result_digest(result),
         "files": {str(file.relative_to(folder)): file_digest(file) for file in files},
     }
 
 
-def damage_of(result: Mapping[str, Any], folder: Path) -> str | None:
+def damage_of(item: str, result: Mapping[str, Any], folder: Path) -> str | None:
     """Return what is no longer as it was when it was sealed, or None.
 
     Args:
-        result: As it was kept; one of an earlier version of prime has no seal.
+        item: Whose result it should be.
+        result: As it was kept.
         folder: Of the stage.
     """
     seal = result.get(SEAL)
     if seal is None:
-        return None
+        return "its digests are missing"
+    if seal.get("item", item) != item:
+        return f"it is what {seal['item']!r} gave"
     given = {name: value for name, value in result.items() if name not in BESIDE}
     if result_digest(given) != seal["result"]:
         return "its numbers are not those that were written"

@@ -105,7 +105,7 @@ class Stage(BaseModel):
             yield {
                 **result,
                 TIMING: {"seconds": seconds, "peak_bytes": peak},
-                SEAL: sealed(result, self.folder, self.outputs(item)),
+                SEAL: sealed(item, result, self.folder, self.outputs(item)),
             }
 
     def _begun(self, items: Sequence[str]) -> Iterator[Result]:
@@ -146,7 +146,7 @@ class Stage(BaseModel):
         """Return what is kept of an item, and what is wrong with it or None."""
         try:
             (result,) = self.compute([item])
-            damage = None if item in self._sound else damage_of(result, self.folder)
+            damage = None if item in self._sound else damage_of(item, result, self.folder)
         except _UNREADABLE as error:
             text = str(error).partition("\n")[0]
             return {}, f"it cannot be read ({type(error).__name__}: {text})"

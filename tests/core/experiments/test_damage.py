@@ -49,6 +49,17 @@ def garble(path: Path) -> None:
     path.write_bytes(lines[0][: len(lines[0]) // 2] + b"\n" + b"".join(lines))
 
 
+def exchange(path: Path) -> None:
+    """Let an index say that the first item gave what the last one gave."""
+    lines = [json.loads(line) for line in path.read_bytes().splitlines()]
+    lines[0] = {**lines[-1], "#key": lines[0]["#key"]}
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+
+
+def unseal(path: Path) -> None:
+    path.write_bytes(path.read_bytes().replace(b'"seal"', b'"sael"'))
+
+
 def figures(folder: Path) -> tuple[Any, ...]:
     found = read_results(folder)
     trials = [(folder / f"trials-{name}.json").read_bytes() for name in ("motor", "calls")]
@@ -60,7 +71,9 @@ DAMAGE = [
     ("Collection", "data/*.data", flip, "collection"),
     ("Collection", "data/*.data", empty, "collection"),
     ("Collection", "data/*.data", Path.unlink, "collection"),
+    ("Collection", "data/*.jsonl", unseal, "collection"),
     ("Demonstrations", "data/*.data", flip, "demonstrations"),
+    ("Demonstrations", "*-info.jsonl", exchange, "demonstrations"),
     ("Demonstrations", "*-info.jsonl", cut, ""),
     ("Collection", "*-info.jsonl", garble, ""),
     ("Collection", "*-info.jsonl", spoil, ""),
