@@ -212,7 +212,7 @@ def _change_values(column: Any, draw: random.Random) -> Any:
     try:
         return pa.array(values, column.type)
     except (pa.ArrowException, OverflowError, TypeError, ValueError):
-        return pa.array([None] * len(values), column.type)
+        return pa.nulls(len(values), column.type)
 
 
 def _another(value: Any, draw: random.Random) -> Any:
