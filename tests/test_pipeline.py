@@ -20,22 +20,8 @@ from prime_core.experiments.reading import read_experiment
 
 ROOT = Path(__file__).parents[1]
 QUICK = ROOT / "experiments" / "lift_quick.yaml"
-TINY = [
-    "demonstrations.count=2",
-    "collection.episodes=4",
-    "collection.episodes_per_shard=1",
-    "collection.draws_per_episode=4",
-    "idm.classifier_epochs=1",
-    "idm.parameter_epochs=1",
-    "idm.steps_per_epoch=30",
-    "policies.prime.pretraining_epochs=1",
-    "policies.prime.finetuning_epochs=2",
-    "policies.prime.steps_per_epoch=20",
-    "policies.prime.finetuning_steps_per_epoch=20",
-    "evaluation.trials=1",
-    "evaluation.fresh_trials=1",
-    "evaluation.maximum_steps=40",
-]
+TINY = (ROOT / "tests" / "tiny_experiment.txt").read_text().split()
+"""Settings of the quick experiment for `--set`, with which it takes a minute."""
 
 
 def command(*arguments: str, out: Path, settings: list[str] = TINY) -> list[str]:

@@ -118,5 +118,5 @@ def main() -> None:
             tell(str(_of_place(error) or error))
             sys.exit(1)
         except KeyboardInterrupt:
-            print("prime: interrupted", file=sys.stderr)
+            tell("interrupted")
             sys.exit(INTERRUPTED)

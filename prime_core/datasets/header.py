@@ -1,7 +1,7 @@
 """What ``meta/info.json`` of a LeRobot v3 data set says, checked."""
 
 import json
-import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,18 +106,16 @@ def read_header(folder: Path, fps: int | None) -> Header:
 
 def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
     """Check the values beside the features that are read."""
-    asked: dict[str, tuple[type | tuple[type, ...], str]] = {
-        "features": (dict, "a table of features"),
-        "fps": ((int, float), "a number of frames a second above 0"),
-        "total_episodes": (int, f"a whole number, 1 to {GREATEST_COUNT}"),
-        "data_path": (str, f"a path such as {layout.DATA_FILE!r}"),
+    asked: dict[str, tuple[type | tuple[type, ...], float, str]] = {
+        "features": (dict, 0, "a table of features"),
+        "fps": ((int, float), sys.float_info.max, "a number of frames a second above 0"),
+        "total_episodes": (int, GREATEST_COUNT, f"a whole number, 1 to {GREATEST_COUNT}"),
+        "data_path": (str, 0, f"a path such as {layout.DATA_FILE!r}"),
     }
-    for key, (kind, what) in asked.items():
+    for key, (kind, most, what) in asked.items():
         value = info.get(key, "missing")
-        empty = isinstance(value, int | float) and not 0 < value < math.inf
-        beyond = key == "total_episodes" and isinstance(value, int) and value > GREATEST_COUNT
-        wrong = isinstance(value, bool) or not isinstance(value, kind) or key not in info
-        if wrong or empty or beyond:
+        outside = isinstance(value, int | float) and not 0 < value <= most
+        if key not in info or not isinstance(value, kind) or isinstance(value, bool) or outside:
             raise DatasetError(f"{path}: {key} is {value!r}; it should be {what}")
     if fps is not None and info["fps"] != fps:
         raise DatasetError(

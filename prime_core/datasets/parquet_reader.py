@@ -62,21 +62,29 @@ def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | Non
     try:
         metadata = pq.read_metadata(path)
         present = metadata.schema.to_arrow_schema().names
-        missing = [name for name in columns if name not in present]
-        double = [name for name in columns if present.count(name) > 1]
-        if not missing and not double:
-            _check_size(path, metadata, columns)
-            chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
-            # Without partitioning=None a folder named "seed=0" would become a column.
-            return pq.read_table(path, columns=list(columns), filters=chosen, partitioning=None)
+        _check_columns(path, present, columns)
+        _check_size(path, metadata, columns)
+        chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
+        # Without partitioning=None a folder named "seed=0" would become a column.
+        return pq.read_table(path, columns=list(columns), filters=chosen, partitioning=None)
     except (pa.ArrowException, OSError, ValueError, TypeError) as error:
         raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
-    if double:
-        raise DatasetError(f"{path}: column {double[0]!r} stands {present.count(double[0])} times")
-    raise DatasetError(
-        f"{path} has no column {missing[0]!r}; it has {', '.join(present[:12])}. "
-        "A data set's features are those of its meta/info.json"
-    )
+
+
+def _check_columns(path: Path, present: Sequence[str], columns: Sequence[str]) -> None:
+    """Make sure that each column stands there once.
+
+    Raises:
+        DatasetError: If one does not.
+    """
+    for name in columns:
+        if name not in present:
+            raise DatasetError(
+                f"{path} has no column {name!r}; it has {', '.join(present[:12])}. "
+                "A data set's features are those of its meta/info.json"
+            )
+        if present.count(name) > 1:
+            raise DatasetError(f"{path}: column {name!r} stands {present.count(name)} times")
 
 
 def _check_size(path: Path, metadata: Any, columns: Sequence[str]) -> None:

@@ -10,7 +10,6 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import yaml
 from rich.console import Console
 from rich.markup import escape
 from submitit.core.utils import FailedJobError, UncompletedJobError
@@ -20,7 +19,7 @@ from prime_core.errors import PrimeError
 from prime_core.experiments.compatibility import check_environments
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.progress_bar import _progress
-from prime_core.experiments.reading import dump_experiment, validate_experiment
+from prime_core.experiments.reading import dump_experiment, read_experiment
 from prime_core.experiments.run_folder.cache import mend
 from prime_core.experiments.run_folder.outputs import (
     RESOLVED,
@@ -115,7 +114,7 @@ def holds_others(experiment: Experiment) -> bool:
     if owner is None or owner.damaged or owner.identity is None:
         return True
     try:
-        before = Experiment(validate_experiment(yaml.safe_load(owner.text), RESOLVED), folder)
+        before = Experiment(read_experiment(folder / RESOLVED), folder)
     except PrimeError:  # another version of prime, or without a plugin that is gone
         return True
     is_part = before.uids.items() <= experiment.uids.items()

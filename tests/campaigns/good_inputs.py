@@ -25,20 +25,10 @@ from prime_core.experiments.yaml_text import dump_yaml, read_mapping
 ROOT = Path(__file__).parents[2]
 RUN = "lift-quick"
 TINY = [
-    "demonstrations.count=2",
-    "collection.episodes=4",
-    "collection.episodes_per_shard=1",
-    "collection.draws_per_episode=4",
-    "idm.classifier_epochs=1",
-    "idm.parameter_epochs=1",
+    *(ROOT / "tests" / "tiny_experiment.txt").read_text().split(),
     "idm.steps_per_epoch=3",
-    "policies.prime.pretraining_epochs=1",
-    "policies.prime.finetuning_epochs=2",
     "policies.prime.steps_per_epoch=3",
     "policies.prime.finetuning_steps_per_epoch=3",
-    "evaluation.trials=1",
-    "evaluation.fresh_trials=1",
-    "evaluation.maximum_steps=40",
     "compute.workers=0",
 ]
 LAST = "evaluation.prime"

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from changes import BLIND, change_json, change_yaml
-from file_changes import (
-    change_hdf5,
-    change_index,
-    change_parquet,
-    change_safetensors,
-)
+from file_changes import change_index, change_parquet, change_safetensors
 from good_inputs import LAST, RUN
+from good_results import same
+from hdf5_changes import change_hdf5
 
 from prime_core.experiments.results.checksum import with_checksum
 
@@ -107,40 +104,6 @@ def _results(path: Path, base: Path, draw: random.Random) -> str:
         except (ValueError, RecursionError):
             pass
     return how
-
-
-def same_run(sandbox: Path, base: Path) -> str | None:
-    """The results, trials, weights and data set are those of the good run."""
-    mine, good = sandbox / "out" / RUN, base / "out" / RUN
-    for path in [good / "results.json", *good.glob("trials-*.json")]:
-        here = mine / path.name
-        if not here.is_file():
-            return f"{path.name} is not there"
-        if path.name == "results.json":
-            one, other = (json.loads(file.read_bytes()) for file in (here, path))
-            if any(one[key] != other[key] for key in ("results", "variants")):
-                return "the results are not those of the good run"
-        elif here.read_bytes() != path.read_bytes():
-            return f"{path.name} is not that of the good run"
-    for pattern in ("**/*.safetensors", "**/dataset/**/*.parquet", "**/dataset/**/*.json"):
-        for path in (good / "stages").glob(pattern):
-            here = mine / path.relative_to(good)
-            if not here.is_file() or here.read_bytes() != path.read_bytes():
-                return f"{path.name} is not that of the good run"
-    return None
-
-
-def same_parsing(sandbox: Path, base: Path) -> str | None:
-    """The segments are those that the good run parses the same data set into."""
-    name = "meta/primitives.parquet"
-    here, good = sandbox / "out" / "parsed" / name, base / "given" / "dataset" / name
-    return None if here.read_bytes() == good.read_bytes() else "the segments are others"
-
-
-def same(sandbox: Path, base: Path) -> str | None:
-    """Whatever was run: see `same_run` and `same_parsing`."""
-    parsed = (sandbox / "out" / "parsed").exists()
-    return same_parsing(sandbox, base) if parsed else same_run(sandbox, base)
 
 
 _RUN = ("run", "given/lift.yaml", "--out", "out", "--until", LAST)

@@ -3,7 +3,8 @@
     python tests/campaigns/mutations.py --inputs 1000 --seed 0 --work /tmp/mutations
 
 Each input is a fresh copy of a folder of good ones (`good_inputs.py`) in which one file is changed
-(`input_kinds.py`), blindly (`changes.py`) or in a way that knows its format (`file_changes.py`).
+(`input_kinds.py`), blindly (`changes.py`) or in a way that knows its format (`file_changes.py`,
+`hdf5_changes.py`).
 The command that reads it is run, watched, in a forked child (`contained_command.py`), and every
 100th once more in an interpreter of its own, which must say the same. It must hold: exit code 0, 1
 or 2; on failure a few lines that name the file; no traceback and no warning of Python; nothing of

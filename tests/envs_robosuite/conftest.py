@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
+from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.rotations import wrap_angle, yaw_of
 from prime_envs_robosuite.config import LiftConfig, NutAssemblyConfig, PickPlaceConfig
 from prime_envs_robosuite.demonstrators.styles import NOVICE, StyleRanges
 from prime_envs_robosuite.environment import RobosuiteEnvironment
+from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config
+
+from .hdf5_files import FRAMES, good, record
 
 GAIN = 3.0  # the controller covers about a third of the commanded distance in a step
 OPEN, CLOSE = -1.0, 1.0
@@ -144,3 +148,23 @@ def held_milk(milk: RobosuiteEnvironment) -> NDArray[np.float64]:
     Hand(milk).pick()
     assert milk.scene().held == "milk"
     return milk.get_state()
+
+
+@pytest.fixture(scope="module")
+def states(lift: RobosuiteEnvironment) -> Any:
+    """Time, qpos and qvel of a gripper that goes down, ``(FRAMES, 32)``."""
+    lift.reset(seed=0)
+    rows = [lift.get_state()[:32]]
+    for _ in range(FRAMES - 1):
+        lift.step(np.array([0.0, 0.0, -0.03, 0.0, -1.0]))
+        rows.append(lift.get_state()[:32])
+    found = np.stack(rows)
+    found[:, 0] = 0.05 * np.arange(FRAMES)
+    return found
+
+
+@pytest.fixture(scope="module")
+def shown(states: Any, tmp_path_factory: pytest.TempPathFactory) -> Demonstration:
+    """What is read of them."""
+    path = record(tmp_path_factory.mktemp("a") / "a.hdf5", {"env": "Lift"}, demo_1=good(states))
+    return RobosuiteHdf5Config(path=path).demonstrate(LiftConfig(), 0, 0)

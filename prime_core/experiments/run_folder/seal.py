@@ -46,7 +46,7 @@ def damage_of(item: str, result: Mapping[str, Any], folder: Path) -> str | None:
     seal = result.get(SEAL)
     if seal is None:
         return "its digests are missing"
-    if seal.get("item", item) != item:
+    if seal["item"] != item:
         return f"it is what {seal['item']!r} gave"
     given = {name: value for name, value in result.items() if name not in BESIDE}
     if result_digest(given) != seal["result"]:

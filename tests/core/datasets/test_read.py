@@ -1,6 +1,5 @@
 """Broken LeRobot data sets are refused and told what is wrong; foreign ones are read."""
 
-import json
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,6 +15,7 @@ from prime_core.datasets.demonstrator import LeRobotDemonstratorConfig
 from prime_core.datasets.read import read_dataset
 from prime_core.errors import DatasetError
 
+from .edits import edit_info
 from .samples import (
     DATA,
     DESCRIPTION,
@@ -24,13 +24,6 @@ from .samples import (
     fingerprint,
     write,
 )
-
-
-def change_info(folder: Path, change: Callable[[dict[str, Any]], object]) -> None:
-    path = folder / "meta/info.json"
-    info = json.loads(path.read_text())
-    change(info)
-    path.write_text(json.dumps(info))
 
 
 def change_data(folder: Path, change: Callable[[Any], Any]) -> None:
@@ -61,36 +54,36 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no folder": (shutil.rmtree, r"set/meta/info.json is missing: a LeRobot v3 data set"),
     "no JSON": (lambda f: truncate(f, "meta/info.json"), r"info.json is not readable as JSON"),
     "version 2": (
-        lambda f: change_info(f, lambda info: info.update(codebase_version="v2.1")),
+        lambda f: edit_info(f, lambda info: info.update(codebase_version="v2.1")),
         r"codebase_version is 'v2.1'.*convert_dataset_v21_to_v30",
     ),
     "no version": (lambda f: (f / "meta/info.json").write_text("[]"), r"codebase_version is None"),
     "no fps": (
-        lambda f: change_info(f, lambda info: info.pop("fps")),
+        lambda f: edit_info(f, lambda info: info.pop("fps")),
         r"fps is 'missing'; it should be a number",
     ),
     "other fps": (
-        lambda f: change_info(f, lambda info: info.update(fps=50)),
+        lambda f: edit_info(f, lambda info: info.update(fps=50)),
         r"fps is 50; motor actions here are steps of 20 a second",
     ),
     "no action": (
-        lambda f: change_info(f, lambda info: info["features"].pop("action")),
+        lambda f: edit_info(f, lambda info: info["features"].pop("action")),
         r"info.json: no feature 'action'; it should be 5 numbers.*Features: .*observation.state",
     ),
     "wide action": (
-        lambda f: change_info(f, lambda info: info["features"]["action"].update(shape=[7])),
+        lambda f: edit_info(f, lambda info: info["features"]["action"].update(shape=[7])),
         r"'action' has 7 numbers; it should have 5 \(dx, dy, dz, dyaw, gripper\)",
     ),
     "whole numbers": (
-        lambda f: change_info(f, lambda info: info["features"]["action"].update(dtype="int64")),
+        lambda f: edit_info(f, lambda info: info["features"]["action"].update(dtype="int64")),
         r"'action' is int64 of shape \[5\]; it should be 5 numbers",
     ),
     "strange path": (
-        lambda f: change_info(f, lambda info: info.update(data_path="data/{episode}")),
+        lambda f: edit_info(f, lambda info: info.update(data_path="data/{episode}")),
         r"data_path is 'data/\{episode\}'; it should be .*: LeRobot has 'data/chunk-",
     ),
     "other objects": (
-        lambda f: change_info(
+        lambda f: edit_info(
             f,
             lambda info: info["features"]["observation.environment_state"]["names"].__setitem__(
                 0, "cereal.x"
@@ -100,15 +93,13 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
         r"'milk.x'. It has cereal.x, milk.y,.*changed to these",
     ),
     "other width": (
-        lambda f: change_info(
+        lambda f: edit_info(
             f, lambda info: info["features"]["observation.state"].update(shape=[14], names=None)
         ),
         r"'observation.state' has 14 numbers; this environment has 15: gripper.x",
     ),
     "no objects": (
-        lambda f: change_info(
-            f, lambda info: info["features"].pop("observation.environment_state")
-        ),
+        lambda f: edit_info(f, lambda info: info["features"].pop("observation.environment_state")),
         r"'observation.environment_state' is missing; this environment has 16: milk.x",
     ),
     "no episodes": (
@@ -120,7 +111,7 @@ BREAKAGES: dict[str, tuple[Callable[[Path], object], str]] = {
         r"episodes/chunk-000/file-000.parquet: the file is broken or was never finished",
     ),
     "too few episodes": (
-        lambda f: change_info(f, lambda info: info.update(total_episodes=7)),
+        lambda f: edit_info(f, lambda info: info.update(total_episodes=7)),
         r"lists 3 episodes and .*info.json says total_episodes 7",
     ),
     "no data": (lambda f: (f / DATA).unlink(), r"data/chunk-000/file-000.parquet is missing"),
@@ -183,7 +174,7 @@ def test_a_set_from_elsewhere_is_read(tmp_path: Path) -> None:
         info["features"]["observation.environment_state"]["names"] = []
         info["features"]["action"]["dtype"] = "float64"
 
-    change_info(tmp_path / "set", foreign)
+    edit_info(tmp_path / "set", foreign)
 
     def doubles(table: Any) -> Any:
         column = pa.array(table["action"].to_pylist(), pa.list_(pa.float64()))

@@ -13,6 +13,7 @@ from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.run_folder.code import Code, code_of
 from prime_core.experiments.run_folder.code_mark import read_mark, write_mark
+from prime_core.experiments.stages.stage import Stage
 
 MODULE = '''
 from .depth import deep
@@ -116,9 +117,9 @@ def test_installed_libraries_are_none_of_its_code_wherever_they_lie(
     assert set(found) == {".grasp", ".depth", f"lab_{number}"}
 
 
-def other_code(stage: object, module: str) -> None:
+def other_code(stage: Stage, module: str) -> None:
     """Mark a stage as made by code in which a module was another."""
-    folder = stage.folder  # type: ignore[attr-defined]
+    folder = stage.folder
     mark = read_mark(folder)
     assert mark is not None
     assert module in mark.made_by

@@ -49,12 +49,8 @@ class JointState:
         Raises:
             DemonstrationError: If so.
         """
-        turned = float(np.abs(self.positions[:, :ARM]).max())
-        if turned > MOST_TURNED:
-            raise DemonstrationError(
-                f"{where}: a joint of the arm is at {turned:.4g}; joint positions are radians"
-            )
         for what, values, most, units in (
+            ("a joint of the arm is at", self.positions[:, :ARM], MOST_TURNED, "radians"),
             ("a finger is at", self.positions[:, ARM : ARM + FINGERS], WIDEST, "metres"),
             ("the object is at", self.positions[:, -POSE:-4], FARTHEST, "metres"),
             ("a velocity is", self.velocities, FASTEST, "metres or radians a second"),

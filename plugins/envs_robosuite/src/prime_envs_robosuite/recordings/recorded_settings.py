@@ -15,9 +15,8 @@ from prime_envs_robosuite.simulation.osc_scales import POSITION_SCALE, ROTATION_
 
 ROBOT = "Panda"
 ROBOSUITE = 1  # robomimic's number for environments of robosuite
-MOST_ASKED = 1e6  # of a number that a device gives
-MOST_MOVED = 1.0  # metres or radians in a step
-UNITS = {MOST_ASKED: "", MOST_MOVED: " metre or radian a step"}
+MOST_INPUT = 1e6  # of a number that a device gives
+MOST_OUTPUT = 1.0  # metres or radians in a step
 Array = NDArray[np.float64]
 
 
@@ -185,9 +184,10 @@ class _Told:
         values = np.asarray(found) if isinstance(found, np.ndarray) or _is_numeric(found) else None
         if values is None or values.shape not in ((), (6,)):
             raise self._refusal(key, found, "one number or six")
-        most = MOST_MOVED if key.startswith("output") else MOST_ASKED
+        is_output = key.startswith("output")
+        most, unit = (MOST_OUTPUT, " metre or radian a step") if is_output else (MOST_INPUT, "")
         if not np.all(np.abs(values) <= most):  # nor is it NaN
-            raise self._refusal(key, found, f"at most {most:g}{UNITS[most]}")
+            raise self._refusal(key, found, f"at most {most:g}{unit}")
         return np.broadcast_to(values.astype(np.float64), (6,))
 
     def _refusal(self, key: str, found: Any, right: str) -> DatasetError:
