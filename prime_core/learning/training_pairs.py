@@ -93,8 +93,8 @@ def hard_negatives(
 ) -> Indices:
     """Join the start of one rollout with the end of another one of its primitive.
 
-    The two are of different episodes, nothing is held at the start, and some object lies more
-    than 2 cm elsewhere at the end: with something in the hand, a place could lead there.
+    The two are of different episodes, and some object that is not held at the start lies more
+    than 2 cm elsewhere at the end. One that is held could have been placed there.
 
     Returns:
         Start and end frames, ``(k, 2)``.
@@ -112,8 +112,8 @@ def hard_negatives(
     start, end = first[:, 0], second[:, 1]
     before, after = (table.observations[table.rows(frames)] for frames in (start, end))
     moved = np.linalg.norm(before.object_positions - after.object_positions, axis=-1)
+    moved = np.where(before.held, 0.0, moved)
     keep = table.episode(start) != table.episode(end)
-    keep &= ~before.held.any(axis=-1)
     keep &= moved.max(axis=-1, initial=0) > 0.02
     pairs: Indices = np.stack((start, end), axis=1)[keep]
     return pairs

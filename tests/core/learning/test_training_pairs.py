@@ -37,10 +37,25 @@ def test_hard_negatives_join_two_episodes_with_the_object_elsewhere() -> None:
         assert table.episode(start) != table.episode(end)
 
 
-def test_no_hard_negative_starts_with_something_held() -> None:
+def test_no_hard_negative_is_what_a_place_of_what_is_held_could_lead_to() -> None:
     table = RolloutTable([episode(number, held=True) for number in range(20)])
     pairs = hard_negatives(table, PairConfig(hard_negatives=5.0), np.random.default_rng(0))
     assert len(pairs) == 0
+
+
+def test_with_something_held_hard_negatives_have_something_else_elsewhere() -> None:
+    episodes = []
+    for number in range(20):
+        item = episode(number, held=True)
+        # A second object, which lies still, and elsewhere in every other episode.
+        second = np.tile([0.1 * (number % 2), 0, 0, 1, 0, 0, 0, 0], (60, 1))
+        objects = np.concatenate((item.environment_state, second), axis=1)
+        episodes.append(replace(item, environment_state=objects.astype(np.float32)))
+    table = RolloutTable(episodes)
+    pairs = hard_negatives(table, PairConfig(hard_negatives=5.0), np.random.default_rng(0))
+    assert len(pairs) > 50
+    before, after = (table.episode(frames) for frames in pairs.T)
+    assert ((before - after) % 2 == 1).all()
 
 
 def test_jitter_moves_ends_a_little_and_never_into_another_episode() -> None:
