@@ -75,7 +75,7 @@ def _of_prime(command: Callable[..., None]) -> Callable[..., None]:
             with answering():
                 command(*arguments, **options)
         except KeyboardInterrupt:
-            print(f"prime: interrupted{KEPT.get(command, '')}", file=sys.stderr)
+            tell(f"interrupted{KEPT.get(command, '')}")
             raise typer.Exit(INTERRUPTED) from None
         except SystemExit as end:  # none of prime's commands ends so
             place = traceback.extract_tb(end.__traceback__)[-1]

@@ -140,7 +140,7 @@ def run_stage(stage: Stage) -> None:
         stage.compute(stage.missing())
     except PrimeError:
         raise
-    except Exception as error:
+    except Exception as error:  # libraries that are not in Python tell of a full disk in many types
         raise _told(stage, error) or error from None
     finally:
         seconds = wall_seconds(stage) + time.perf_counter() - start

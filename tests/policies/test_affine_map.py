@@ -16,32 +16,37 @@ FRAMES = [ReferenceFrame(name) for name in ("world", "gripper at s", "gripper at
 FEATURES = 12
 
 
-def misses(count: int, left: int, generator: np.random.Generator) -> torch.Tensor:
-    """Fit to examples of which some have left the target; return what unseen ones miss it by."""
+def examples(count: int, left: int, generator: np.random.Generator) -> Batch:
+    """Return pairs whose arm stops short by what follows from where it is.
+
+    Args:
+        count: How many.
+        left: Of how many the gripper has then left the target.
+        generator: Of all that is at random.
+    """
+    targets = torch.from_numpy(generator.uniform(-1, 1, (count, 3))).float()
+    features = torch.from_numpy(generator.normal(size=(count, 2, FEATURES))).float()
+    poses = torch.zeros(count, len(FRAMES), 4)
+    poses[:, END_FRAME, :3] = targets - 0.002 - 0.001 * features[:, 1, :3]
+    poses[:left, END_FRAME, :2] += torch.from_numpy(generator.uniform(0.2, 1, (left, 2))).float()
+    return Batch(features, torch.zeros(count, dtype=torch.long), poses, targets)
+
+
+def misses(count: int, left: int) -> torch.Tensor:
+    """Return by what the map fitted to examples misses 100 unseen ones, ``(100,)``."""
+    generator = np.random.default_rng(0)
     mixture = ProductMixture(ParameterLayout(SPACE), FRAMES, 1, 1, 1e-3, affine_inputs=3 * FEATURES)
     network = ParameterNetwork(Trunk(FEATURES, True, (1,), 0.0), [mixture])
-    fitted = 0
-    for rows in (count, 100):
-        targets = torch.from_numpy(generator.uniform(-1, 1, (rows, 3))).float()
-        features = torch.from_numpy(generator.normal(size=(rows, 2, FEATURES))).float()
-        poses = torch.zeros(rows, 3, 4)
-        # The arm stops short by what follows from where it is.
-        poses[:, END_FRAME, :3] = targets - 0.002 - 0.001 * features[:, 1, :3]
-        if not fitted:
-            poses[:left, END_FRAME, :2] += torch.from_numpy(generator.uniform(0.2, 1, (left, 2)))
-            batch = Batch(features, torch.zeros(rows, dtype=torch.long), poses, targets)
-            network.fit_affine(batch)
-            fitted = rows
-    offsets = mixture.offsets_of(poses, network.trunk.inputs(features), targets)
+    network.fit_affine(examples(count, left, generator))
+    seen = examples(100, 0, generator)
+    offsets = mixture.offsets_of(seen.poses, network.trunk.inputs(seen.features), seen.targets)
     return offsets[:, -1].norm(dim=1)
 
 
 def test_examples_whose_gripper_has_left_do_not_lead_the_others_astray() -> None:
     """With about as many examples as inputs, all of them could be learnt by heart."""
-    found = misses(count=40, left=12, generator=np.random.default_rng(0))
-    assert found.median() < 0.003
+    assert misses(count=40, left=12).median() < 0.003
 
 
 def test_it_says_what_the_arm_misses_by() -> None:
-    found = misses(count=400, left=50, generator=np.random.default_rng(0))
-    assert found.median() < 1e-4
+    assert misses(count=400, left=50).median() < 1e-4

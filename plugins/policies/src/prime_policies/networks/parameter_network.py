@@ -12,7 +12,7 @@ from prime_policies.networks.product_mixture import ProductMixture
 from prime_policies.networks.starting import start_components
 from prime_policies.networks.trunk import Trunk
 
-THERE = 0.02  # over the scales: so near to its target a gripper has not left it
+AT_TARGET = 0.02  # over the scales, some mm: an arm misses by 1 mm, a hand that has left by 3 cm
 RIDGES = (1e-5, 1e-3, 1e-1, 10.0)  # for inputs of unit spread; the last leaves a constant
 
 
@@ -62,17 +62,17 @@ class ParameterNetwork(Network):
         """Fit each primitive's affine map: what the gripper's pose at s' misses the targets by.
 
         An arm's controller stops short by a millimetre, in a way that follows from where it is.
-        Where the gripper has left the target, it says nothing: few such examples, fitted by heart,
-        would lead all others astray. Only a primitive that mostly ends elsewhere is fitted to all.
+        Examples whose gripper has left the target by s' say nothing of that: they are left out,
+        unless they are the greater part, as those of pushes are. Then all are fitted.
         """
         inputs = self.trunk.inputs(batch.features).double()
         for mixture, rows, targets in self._by_primitive(batch):
             rest = targets - mixture.end_of(batch.poses[rows])
             rest = wrapped(rest, mixture.periods / mixture.scales).double()
-            there = rest.abs().amax(dim=1) < THERE
-            if there.sum() <= len(there) / 2:
-                there[:] = True
-            mixture.affine.copy_(ridge_regression(inputs[rows][there], rest[there]))
+            fitted = rest.abs().amax(dim=1) < AT_TARGET
+            if fitted.sum() <= len(fitted) / 2:
+                fitted[:] = True
+            mixture.affine.copy_(ridge_regression(inputs[rows][fitted], rest[fitted]))
 
     def _by_primitive(self, batch: Batch) -> Iterator[tuple[ProductMixture, Tensor, Tensor]]:
         """Yield mixture, rows and targets over its scales of each primitive that has examples."""
