@@ -54,5 +54,9 @@ class DemonstrationError(DatasetError):
     """One demonstration cannot be used; others of the same source may be."""
 
 
+class WeightsError(PrimeError):
+    """A folder does not hold the trained weights that are asked for."""
+
+
 class DamagedError(PrimeError):
     """A file that prime wrote is no longer what it wrote."""

@@ -52,6 +52,7 @@ PUBLIC = (
     "prime_core.configuration",
     "prime_core.errors",
     "prime_core.files",
+    "prime_core.learning.model_card",
     "prime_core.rotations",
     "prime_core.seeds",
 )

@@ -9,13 +9,12 @@ import torch
 from torch import Tensor
 
 from prime_core.contracts.training import Labels, TrainingContext
-from prime_core.errors import PrimeError
+from prime_core.errors import PrimeError, WeightsError
 from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.trunk import Trunk
 from prime_policies.training.examples import Examples
 from prime_policies.training.loop import Trainer, falling
 from prime_policies.training.settings import NetworkSettings
-from prime_policies.training.weights import WeightsError
 
 from .toy_world import CONTEXT
 

@@ -2,22 +2,38 @@
 
 from pathlib import Path
 
+from prime_core.configuration import Count
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
-from prime_policies.idm.settings import MlpGmmSettings
+from prime_core.learning.model_card import write_card
+from prime_policies.training.settings import NetworkSettings
 
 
-class MlpGmmIdmConfig(IdmConfig, MlpGmmSettings):
+class MlpGmmIdmConfig(IdmConfig, NetworkSettings):
     """A classifier of primitives and a task-parameterised mixture of their parameters."""
+
+    kind = "mlp-gmm"
+    pair = True
+
+    classifier_epochs: Count = 12
+    """Epochs of the classifier."""
+    parameter_epochs: Count = 12
+    """Epochs of the mixture."""
 
     def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
         """Train both networks, one after the other; see `IdmConfig`."""
-        from prime_policies.idm.training import fit_idm
+        from prime_policies.idm.model import MlpGmmIdm
+        from prime_policies.training.fitting import Phase, fit_networks
 
-        return fit_idm(self, data, context)
+        epochs = (self.classifier_epochs, self.parameter_epochs)
+        phase = Phase(data, epochs, self.steps_per_epoch)
+        networks = fit_networks(self, [phase], context)
+        write_card(context.folder, networks.card)  # with it the model is complete
+        return MlpGmmIdm(networks)
 
     def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
         """Load the two networks; see `IdmConfig`."""
-        from prime_policies.idm.training import load_idm
+        from prime_policies.idm.model import MlpGmmIdm
+        from prime_policies.training.call_networks import CallNetworks
 
-        return load_idm(self, folder, context)
+        return MlpGmmIdm(CallNetworks.load(self, folder, context))

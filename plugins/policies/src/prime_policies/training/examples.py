@@ -1,15 +1,13 @@
 """Examples to draw batches from, made of labelled observations."""
 
-import hashlib
-import json
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from prime_core.arrays import Array, Floats
-from prime_core.contracts.training import CallData, Labels
+from prime_core.contracts.training import Labels
 from prime_core.errors import DatasetError
 from prime_policies.networks.network import Batch
 
@@ -64,15 +62,6 @@ class Examples:
         return self.batch(slice(None))
 
 
-def fingerprint(card: dict[str, Any], seed: int, data: list[CallData]) -> str:
-    """Return what tells a training apart: its settings, its seed and its data."""
-    digest = hashlib.blake2b(json.dumps([card, seed]).encode(), digest_size=16)
-    for item in data:
-        seen, labels = item.observations, (item.types, item.parameters)
-        arrays = [seen.state, seen.environment_state]
-        arrays += [array for label in labels for array in vars(label).values()]
-        for array in (*arrays, item.values):
-            if array is not None:
-                digest.update(repr((array.shape, array.dtype)).encode())
-                digest.update(np.ascontiguousarray(array).data)
-    return digest.hexdigest()
+def joined(parts: Sequence[Examples]) -> Batch:
+    """Return all examples of several."""
+    return Batch(*map(torch.cat, zip(*(item.everything() for item in parts), strict=True)))

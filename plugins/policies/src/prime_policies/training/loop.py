@@ -10,12 +10,12 @@ import torch
 from torch import Tensor, nn
 
 from prime_core.contracts.training import TrainingContext
-from prime_core.errors import PrimeError
+from prime_core.errors import PrimeError, WeightsError
 from prime_policies.networks.network import Network
 from prime_policies.training.examples import Examples
 from prime_policies.training.repeatable import seeded, threads
 from prime_policies.training.settings import NetworkSettings
-from prime_policies.training.weights import WeightsError, read_tensors, write_tensors
+from prime_policies.training.weights import read_tensors, write_tensors
 
 GRADIENT_LIMIT = 10.0  # one strange batch must not undo a training
 FAST = 10.0  # times the learning rate of offsets and precisions, of which there are few

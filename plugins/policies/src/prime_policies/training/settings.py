@@ -1,6 +1,6 @@
 """Settings that all networks share."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -10,7 +10,15 @@ Width = Annotated[int, Field(ge=1, le=8192)]
 
 
 class NetworkSettings(Config):
-    """How large the networks are, and how a step of their training goes."""
+    """How large the networks are, and how a step of their training goes.
+
+    Attributes:
+        kind: Name that the settings are registered under.
+        pair: Whether the networks see pairs of instants, or single ones.
+    """
+
+    kind: ClassVar[str]
+    pair: ClassVar[bool]
 
     hidden_sizes: tuple[Width, ...] = Field((256, 256), min_length=1, max_length=16)
     """Widths of the hidden layers. (1024, 1024), as in the paper, was no better on states."""
