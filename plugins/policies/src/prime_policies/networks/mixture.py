@@ -57,10 +57,5 @@ def log_mass(mixture: Mixture, values: Tensor, width: float) -> Tensor:
     The log density of the mixture blurred by a width: where components are narrower than what
     matters, the density itself would prefer the narrowest, however little it weighs.
     """
-    count = len(values)
-    blurred = mixture._replace(
-        logits=mixture.logits.expand(count, -1),
-        means=mixture.means.expand(count, -1, -1),
-        deviations=(mixture.deviations.square() + width**2).sqrt(),
-    )
+    blurred = mixture._replace(deviations=(mixture.deviations.square() + width**2).sqrt())
     return log_density(blurred, values)

@@ -55,22 +55,9 @@ class ReferenceFrames:
     def __init__(self, description: SceneDescription, pair: bool) -> None:
         self._objects = description.objects
         self._pair = pair
-        self.frames = tuple(self._frames())
-
-    def _frames(self) -> Iterator[ReferenceFrame]:
-        yield ReferenceFrame("world", (*POSE, "number"))  # plain numbers are relative to nothing
-        yield ReferenceFrame("gripper at s", POSE if self._pair else ("angle",))
-        if self._pair:
-            yield ReferenceFrame("gripper at s'")
-        for item in self._objects:
-            kinds = POSE if item.yaw_symmetry else POINT
-            yield ReferenceFrame(item.name, kinds, is_object=True)
-            if self._pair:
-                yield ReferenceFrame(f"{item.name} at s'", kinds)
-                yield ReferenceFrame(f"{item.name} along its way", POINT)
-                yield ReferenceFrame(f"gripper carried by {item.name}")
-            else:
-                yield ReferenceFrame(f"{item.name} without its yaw", POINT)
+        nowhere = np.zeros((1, 1 + len(self._objects), 4), dtype=np.float32)
+        each = self._each(nowhere, np.zeros((1, 1 + pair), dtype=np.int64))
+        self.frames = tuple(frame for frame, _ in each)
 
     def encode(self, seen: Observations) -> NDArray[np.float32]:
         """Return the poses of gripper and objects in each instant, ``(N, 1 + objects, 4)``.
@@ -100,18 +87,30 @@ class ReferenceFrames:
         Returns:
             x, y, z [m] and yaw [rad] of each, ``(n, frames, 4)``.
         """
+        return np.stack([pose for _, pose in self._each(encoded, rows)], axis=1)
+
+    def _each(
+        self, encoded: NDArray[np.float32], rows: Indices
+    ) -> Iterator[tuple[ReferenceFrame, Array]]:
+        """Yield each frame of reference and its poses ``(n, 4)``; see `poses`."""
         gripper, *befores = np.moveaxis(encoded[rows[:, 0]].astype(np.float64), 1, 0)
         gripper_after, *afters = np.moveaxis(encoded[rows[:, -1]].astype(np.float64), 1, 0)
-        parts = [np.zeros_like(gripper), gripper]
+        world = ReferenceFrame("world", (*POSE, "number"))  # plain numbers are relative to nothing
+        yield world, np.zeros_like(gripper)
+        yield ReferenceFrame("gripper at s", POSE if self._pair else ("angle",)), gripper
         if self._pair:
-            parts.append(gripper_after)
-        for before, after in zip(befores, afters, strict=True):
-            parts.append(before)
+            yield ReferenceFrame("gripper at s'"), gripper_after
+        for item, before, after in zip(self._objects, befores, afters, strict=True):
+            name, kinds = item.name, POSE if item.yaw_symmetry else POINT
+            yield ReferenceFrame(name, kinds, is_object=True), before
             if self._pair:
-                parts += [after, _along(before, after), _carried(gripper, before, after)]
+                yield ReferenceFrame(f"{name} at s'", kinds), after
+                yield ReferenceFrame(f"{name} along its way", POINT), _along(before, after)
+                carried = _carried(gripper, before, after)
+                yield ReferenceFrame(f"gripper carried by {name}"), carried
             else:
-                parts.append(np.pad(before[:, :3], ((0, 0), (0, 1))))
-        return np.stack(parts, axis=1)
+                upright = np.pad(before[:, :3], ((0, 0), (0, 1)))
+                yield ReferenceFrame(f"{name} without its yaw", POINT), upright
 
 
 def _carried(gripper: Array, before: Array, after: Array) -> Array:

@@ -105,8 +105,8 @@ class _Run:
         self.state = trainer.context.folder / f"{name}.training.safetensors"
         self._trainer, self._name, self._network = trainer, name, network
         self._settings, self._epochs = settings, epochs
-        few: list[Tensor] = []
         many: list[Tensor] = []
+        few: list[Tensor] = []
         for key, value in network.named_parameters():
             (few if key.endswith(("offsets", "log_precisions")) else many).append(value)
         rate, decay = settings.learning_rate, settings.weight_decay
@@ -114,7 +114,6 @@ class _Run:
             {"params": many, "first_lr": rate, "weight_decay": decay},
             {"params": few, "first_lr": FAST * rate, "weight_decay": 0.0},
         ]
-        groups = [group for group in groups if group["params"]]
         self._optimiser = torch.optim.AdamW(groups, fused=True)
 
     def epoch(self, number: int, examples: Examples) -> None:

@@ -10,15 +10,10 @@ Width = Annotated[int, Field(ge=1, le=8192)]
 
 
 class NetworkSettings(Config):
-    """How large the networks are, and how a step of their training goes.
+    """How large the networks are, and how a step of their training goes."""
 
-    Attributes:
-        kind: Name that the settings are registered under.
-        pair: Whether the networks see pairs of instants, or single ones.
-    """
-
-    kind: ClassVar[str]
-    pair: ClassVar[bool]
+    kind: ClassVar[str]  # name that the settings are registered under
+    pair: ClassVar[bool]  # whether the networks see pairs of instants, or single ones
 
     hidden_sizes: tuple[Width, ...] = Field((256, 256), min_length=1, max_length=16)
     """Widths of the hidden layers. (1024, 1024), as in the paper, was no better on states."""
