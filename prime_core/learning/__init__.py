@@ -1,5 +1,5 @@
 """Makes training data of rollouts and parsed demonstrations; tests models on held-out rollouts.
 
-Networks live in plugins; what they learn from is made here, and so is the card that says what
-trained weights are for.
+Networks live in plugins. What any of them needs that is no network lives here: what they learn
+from, the features that they see, and the card that says what trained weights are for.
 """

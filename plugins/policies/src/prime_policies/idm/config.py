@@ -25,8 +25,7 @@ class MlpGmmIdmConfig(IdmConfig, NetworkSettings):
         from prime_policies.idm.model import MlpGmmIdm
         from prime_policies.training.fitting import Phase, fit_networks
 
-        epochs = (self.classifier_epochs, self.parameter_epochs)
-        phase = Phase(data, epochs, self.steps_per_epoch)
+        phase = Phase(data, (self.classifier_epochs, self.parameter_epochs), self.steps_per_epoch)
         networks = fit_networks(self, [phase], context)
         write_card(context.folder, networks.card)  # with it the model is complete
         return MlpGmmIdm(networks)

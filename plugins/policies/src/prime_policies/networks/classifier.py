@@ -22,8 +22,7 @@ class Classifier(Network):
 
     def log_probabilities(self, hidden: Tensor) -> Tensor:
         """Return log probabilities ``(n, classes)`` from the trunk's last layer."""
-        logits: Tensor = self.head(hidden)
-        return logits.log_softmax(dim=-1)
+        return functional.log_softmax(self.head(hidden), dim=-1)
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
         """Return the mean cross entropy."""

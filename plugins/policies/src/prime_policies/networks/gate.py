@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import torch
 from torch import Tensor, nn
 
@@ -17,9 +16,6 @@ class Gate(nn.Module):
     Rollouts hold only what the arm can do. So it learns from them where a wall is in the hand's
     way, for whichever component would go there; a weight by the component's number would have to
     learn it for each anew.
-
-    Args:
-        layout: Of the primitive's parameters.
     """
 
     def __init__(self, layout: ParameterLayout) -> None:
@@ -29,7 +25,7 @@ class Gate(nn.Module):
             for scale, period in zip(layout.scales, layout.periods, strict=True)
         ]
         self.layers = nn.Sequential(
-            nn.Linear(len(self._turns) + int(np.count_nonzero(layout.periods)), HIDDEN),
+            nn.Linear(len(self._turns) + sum(turn > 0 for turn in self._turns), HIDDEN),
             nn.ReLU(),
             nn.Linear(HIDDEN, HIDDEN),
             nn.ReLU(),
@@ -45,5 +41,4 @@ class Gate(nn.Module):
         for values, turn in zip(means.detach().unbind(dim=-1), self._turns, strict=True):
             angles = turn * values
             columns += [angles.sin(), angles.cos()] if turn else [values]
-        result: Tensor = self.layers(torch.stack(columns, dim=-1))[..., 0]
-        return result
+        return self.layers(torch.stack(columns, dim=-1))[..., 0]

@@ -83,14 +83,10 @@ class ParameterNetwork(Network):
 
 
 def ridge_regression(inputs: Tensor, targets: Tensor) -> Tensor:
-    """Fit an affine map, with the ridge that predicts examples best that are left out.
+    """Fit an affine map of inputs ``(n, inputs)`` to targets ``(n, D)``.
 
-    Args:
-        inputs: ``(n, inputs)``.
-        targets: ``(n, D)``.
-
-    Returns:
-        Constant and coefficients of each target, ``(D, 1 + inputs)``.
+    Of some ridges it has the one that predicts examples best that are left out. Returned are the
+    constant and the coefficients of each target, ``(D, 1 + inputs)``.
     """
     mean, middle = inputs.mean(dim=0), targets.mean(dim=0)
     centred, rest = inputs - mean, targets - middle

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from prime_core.arrays import Array, Indices
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.observations import Observations
+from prime_core.learning.scene_features import JAW_SYMMETRY
 from prime_core.rotations import wrap_angle, yaw_of
 
-JAW_SYMMETRY = 2  # parallel jaws look the same after half a turn
 MOVED = 0.01  # [m] from which on an object's way has a direction
 
 POINT = ("plane", "height")

@@ -97,10 +97,7 @@ def _gathering(
 def _tightest(offsets: Floats, usable: Flags, periods: Tensor) -> tuple[int, Floats, float]:
     """Return the frame in which offsets gather most, the centre in all frames, the spread there.
 
-    Args:
-        offsets: Of a group of numbers, of the examples that a component is for, ``(n, F, D)``.
-        usable: Which frames say something of these numbers.
-        periods: After which they repeat, 0 for never, ``(D,)``.
+    The offsets, ``(n, F, D)``, are of a group of numbers of those examples that a component is for.
     """
     centres = np.zeros(offsets.shape[1:], dtype=np.float32)
     spreads = np.full(len(usable), np.inf)

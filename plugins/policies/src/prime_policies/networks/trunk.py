@@ -49,11 +49,9 @@ class Trunk(nn.Module):
             self.difference_scale.copy_(spread.clamp_min(LEAST_SPREAD))
 
     def forward(self, features: Tensor, generator: torch.Generator | None = None) -> Tensor:
-        """Return the last hidden layer.
+        """Return the last hidden layer of features ``(n, 1 or 2, features)``.
 
-        Args:
-            features: ``(n, 1 or 2, features)``.
-            generator: Of the input noise; None for no noise.
+        The generator is of the input noise; None for no noise.
         """
         inputs = self.inputs(features)
         if generator is not None and self._noise:
@@ -73,8 +71,7 @@ class Trunk(nn.Module):
     def halves(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """Return what each instant adds to the first layer as the start and as the end of a pair.
 
-        Args:
-            features: ``(N, features)``.
+        Of features ``(N, features)``, two times ``(N, hidden)``.
         """
         normal = self._normalise(features)
         start, end, difference = self.first.weight.chunk(3, dim=1)

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from prime_core.contracts.description import ObjectDescription, SceneDescription
 from prime_core.contracts.observations import Observations
+from prime_core.learning.scene_features import FeatureEncoder
 from prime_core.rotations import gripper_down, quaternion_product
-from prime_policies.networks.scene_features import FeatureEncoder
 
 Array = NDArray[np.float64]
 

@@ -5,6 +5,7 @@ object turned by one of the angles that its symmetry declares.
 """
 
 from math import lcm
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,8 @@ from prime_core.arrays import Array
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.observations import Observations
 from prime_core.rotations import wrap_angle
-from prime_policies.networks.reference_frames import JAW_SYMMETRY
 
+JAW_SYMMETRY = 2  # parallel jaws look the same after half a turn
 BLOCK = 65536  # frames encoded at a time, which bounds the memory
 
 
@@ -58,8 +59,12 @@ class FeatureEncoder:
 
     def _encode_block(self, seen: Observations) -> Array:
         gripper, yaw = seen.gripper_position.astype(np.float64), seen.gripper_yaw
-        parts = [gripper, seen.gripper_opening[:, None], _sine_and_cosine(np.exp(2j * yaw))]
-        parts.append(wrap_angle(yaw, np.pi)[:, None])
+        parts: list[NDArray[Any]] = [
+            gripper,
+            seen.gripper_opening[:, None],
+            _sine_and_cosine(np.exp(2j * yaw)),
+            wrap_angle(yaw, np.pi)[:, None],
+        ]
         for index, symmetry in enumerate(self._symmetries):
             position = seen.object_positions[:, index].astype(np.float64)
             w, x, y, z = seen.object_quaternions[:, index].astype(np.float64).T
