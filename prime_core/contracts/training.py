@@ -60,7 +60,8 @@ class ModelContext:
     Attributes:
         description: Of the environment's scenes.
         space: The primitives to tell apart or choose from; a motor policy has none.
-        device: Where networks compute: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is one.
+        device: Where networks are trained: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is
+            one. A model at work may stay on the CPU.
     """
 
     description: SceneDescription
