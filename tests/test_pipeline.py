@@ -195,6 +195,7 @@ def test_after_a_kill_the_run_goes_on_with_what_is_missing(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_after_a_kill_a_training_goes_on_after_its_last_epoch(
     finished: Path, tmp_path: Path
 ) -> None:
