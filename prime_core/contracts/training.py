@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from prime_core.arrays import Floats, Indices
+from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.observations import Observations
@@ -67,6 +68,20 @@ class ModelContext:
     description: SceneDescription
     space: PrimitiveSpace
     device: str = "auto"
+
+
+class TrainableConfig(Config):
+    """Settings of what is trained."""
+
+    def check_device(self, device: str) -> None:
+        """Make sure that this machine can train on a device, before hours of other work.
+
+        Args:
+            device: See `ModelContext`.
+
+        Raises:
+            PrimeError: If it cannot.
+        """
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,9 @@ from prime_core.contracts.training import Labels, TrainingContext
 from prime_core.errors import PrimeError
 from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.trunk import Trunk
+from prime_policies.training.devices import torch_device
 from prime_policies.training.examples import Examples
-from prime_policies.training.loop import Trainer, falling, torch_device
+from prime_policies.training.loop import Trainer, falling
 from prime_policies.training.settings import NetworkSettings
 from prime_policies.training.weights import WeightsError
 

@@ -12,6 +12,7 @@ from torch import Tensor, nn
 from prime_core.contracts.training import TrainingContext
 from prime_core.errors import PrimeError
 from prime_policies.networks.network import Batch, Network
+from prime_policies.training.devices import torch_device
 from prime_policies.training.examples import Examples
 from prime_policies.training.repeatable import seeded, threads
 from prime_policies.training.settings import NetworkSettings
@@ -168,21 +169,6 @@ class _Run:
         self._network.load_state_dict(weights)
         self._optimiser.load_state_dict({**self._optimiser.state_dict(), "state": moments})
         return int(notes["epoch"])
-
-
-def torch_device(name: str) -> torch.device:
-    """Return the device that `ModelContext.device` names.
-
-    Raises:
-        PrimeError: If it is ``cuda`` and torch finds no GPU.
-    """
-    found = torch.cuda.is_available()
-    if name == "cuda" and not found:
-        raise PrimeError(
-            "compute.device is cuda, but torch finds no GPU here: set it to auto or cpu, or "
-            "install a torch that fits the GPU's driver"
-        )
-    return torch.device("cuda" if found and name != "cpu" else "cpu")
 
 
 def falling(step: int, steps: int) -> float:
