@@ -62,9 +62,11 @@ test: install
 	$(VENV)/bin/pytest $(PARALLEL) -m "not slow"
 
 # Whole experiments: killed, with other workers, and on Slurm where one answers (tests/start_slurm.sh);
-# installs from wheels; LeRobot's own classes.
+# installs from wheels; LeRobot's own classes. SLOW="slow and not campaign" leaves out the longest.
+SLOW := slow
+
 test-slow: install
-	$(VENV)/bin/pytest $(PARALLEL) -m slow
+	$(VENV)/bin/pytest $(PARALLEL) -m "$(SLOW)"
 
 # The wheels, and the tests against them: an environment that takes prime from the wheels and
 # all else from the development environment, whose editable prime it does not see.

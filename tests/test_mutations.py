@@ -11,6 +11,7 @@ SCRIPT = Path(__file__).parent / "campaigns" / "mutations.py"
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_changed_inputs_are_refused_or_do_no_harm(tmp_path: Path) -> None:
     command = [sys.executable, str(SCRIPT), "--inputs", "30", "--seed", "1"]
     done = subprocess.run(

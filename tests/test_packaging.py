@@ -78,6 +78,7 @@ def wheel_of(wheels: list[Path], name: str) -> Path:
     return next(path for path in wheels if path.name.startswith(f"{name}-"))
 
 
+@pytest.mark.campaign
 def test_plain_pip_resolves_everything_without_constraints(
     wheels: list[Path], tmp_path: Path
 ) -> None:
@@ -110,6 +111,7 @@ def test_plain_pip_resolves_everything_without_constraints(
     assert numbers["torch"] < (2, 12)
 
 
+@pytest.mark.campaign
 def test_plain_pip_installs_the_core_and_one_pack(wheels: list[Path], tmp_path: Path) -> None:
     """Nothing that is not declared is needed to list and load what a pack registers."""
     installation = Installation(tmp_path / "light")

@@ -13,10 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from prime_core.datasets.read import read_dataset
+from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.running import run_experiment
 
 ROOT = Path(__file__).parents[1]
 QUICK = ROOT / "experiments" / "lift_quick.yaml"
@@ -47,6 +50,15 @@ def prime(
 def experiment(out: Path, *settings: str) -> Experiment:
     config = read_experiment(QUICK, [*TINY, *settings])
     return Experiment(config, out / config.name)
+
+
+def test_a_gpu_that_is_not_there_stops_a_run_before_it_begins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    with pytest.raises(PrimeError, match=r"compute\.device is cuda, but torch finds no GPU here"):
+        run_experiment(experiment(tmp_path, "compute.device=cuda"), Console(quiet=True))
+    assert not list(tmp_path.iterdir())
 
 
 def done(job: Experiment) -> dict[str, bool]:
@@ -195,6 +207,7 @@ def test_after_a_kill_the_run_goes_on_with_what_is_missing(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_after_a_kill_a_training_goes_on_after_its_last_epoch(
     finished: Path, tmp_path: Path
 ) -> None:

@@ -102,6 +102,7 @@ def test_slurm_makes_the_same_data_and_results_as_this_machine(tmp_path: Path) -
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 @needs_slurm
 def test_what_a_cancelled_job_had_finished_is_kept(tmp_path: Path) -> None:
     running = Running(tmp_path)
@@ -119,6 +120,7 @@ def test_what_a_cancelled_job_had_finished_is_kept(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 @needs_slurm
 def test_the_jobs_of_a_node_that_goes_down_are_done_on_another(
     tmp_path: Path, nodes_up: None

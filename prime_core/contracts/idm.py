@@ -10,10 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Floats, Indices
-from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.observations import Modality, Observations
-from prime_core.contracts.training import CallData, ModelContext, TrainingContext
+from prime_core.contracts.training import (
+    CallData,
+    ModelContext,
+    TrainableConfig,
+    TrainingContext,
+)
 
 
 class InverseDynamicsModel(ABC):
@@ -60,7 +64,7 @@ class InverseDynamicsModel(ABC):
         """
 
 
-class IdmConfig(Config):
+class IdmConfig(TrainableConfig):
     """Settings of an inverse dynamics model; what packs register."""
 
     @abstractmethod

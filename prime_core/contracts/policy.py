@@ -11,12 +11,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveCall
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Action
 from prime_core.contracts.observations import Modality, Observations
-from prime_core.contracts.training import CallData, ModelContext, TrainingContext
+from prime_core.contracts.training import (
+    CallData,
+    ModelContext,
+    TrainableConfig,
+    TrainingContext,
+)
 
 
 class PrimitivePolicy(ABC):
@@ -83,7 +87,7 @@ class MotorPolicy(ABC):
         """
 
 
-class PolicyConfig(Config):
+class PolicyConfig(TrainableConfig):
     """Settings of a policy; what packs register are subclasses of the two below."""
 
     @abstractmethod

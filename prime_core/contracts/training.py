@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from prime_core.arrays import Floats, Indices
+from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.observations import Observations
@@ -60,12 +61,27 @@ class ModelContext:
     Attributes:
         description: Of the environment's scenes.
         space: The primitives to tell apart or choose from; a motor policy has none.
-        device: Where networks compute: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is one.
+        device: Where networks are trained: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is
+            one. A model at work may stay on the CPU.
     """
 
     description: SceneDescription
     space: PrimitiveSpace
     device: str = "auto"
+
+
+class TrainableConfig(Config):
+    """Settings of what is trained."""
+
+    def check_device(self, device: str) -> None:
+        """Make sure that this machine can train on a device, before hours of other work.
+
+        Args:
+            device: See `ModelContext`.
+
+        Raises:
+            PrimeError: If it cannot.
+        """
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,13 +11,13 @@ SLURM_KEYS = ("partition", "account", "qos", "constraint", "memory_gb", "minutes
 
 
 class ComputeConfig(Config):
-    """Where an experiment runs; no result depends on it."""
+    """Where an experiment runs; no result depends on it but for the last bits of a GPU's sums."""
 
     cluster: Literal["local", "slurm"] = "local"
     """``local`` uses processes of this machine, ``slurm`` submits jobs, whose nodes must see the
     run's folder and this environment under the same paths."""
     device: Literal["auto", "cpu", "cuda"] = "auto"
-    """Where networks compute: ``auto`` takes a GPU if there is one."""
+    """Where networks are trained: ``auto`` takes a GPU if there is one."""
     workers: int = Field(2, ge=0, le=1000)
     """Processes or jobs that share the work of a stage; 0 does it all in the process itself."""
     partition: str | None = None

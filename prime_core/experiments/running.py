@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,8 @@ from prime_core.experiments.run_folder.parent import PARENT_VARIABLE
 from prime_core.experiments.run_folder.place import PlaceError, place_error, probed
 from prime_core.experiments.slurm import jobs_watched_in_queue
 from prime_core.experiments.stages.demonstrations import Demonstrations, check_left_out
+from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.stage import Stage
 
 _SHOWN = 4
@@ -52,6 +54,8 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
     """
     stages = experiment.until(until)
     check_environments(experiment)
+    if experiment.config.compute.cluster == "local":
+        check_devices(stages.values())
     take_folder(experiment, console)
     for name, stage in stages.items():
         mend(stage.folder)
@@ -74,6 +78,17 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
             continue
         console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
         _tell_left_out(console, stage, experiment.config.strict)
+
+
+def check_devices(stages: Iterable[Stage]) -> None:
+    """Make sure that this machine can do the trainings that are missing where they are asked for.
+
+    Raises:
+        PrimeError: If one cannot be done.
+    """
+    for stage in stages:
+        if isinstance(stage, IdmTraining | PolicyTraining) and stage.missing():
+            stage.config.check_device(stage.device)
 
 
 def _tell_left_out(console: Console, stage: Stage, strict: bool) -> None:

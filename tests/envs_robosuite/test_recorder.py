@@ -14,8 +14,11 @@ TASKS = ("lift", "pick_place", "tidy_up")  # ends held, let go of, and pushed
 OTHER_TASKS = ("nut_assembly", "clean_up_bin", "clean_up_stack")
 
 
+LONG = (pytest.mark.slow, pytest.mark.campaign)
+
+
 @pytest.mark.parametrize(
-    "name", [*TASKS, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHER_TASKS)]
+    "name", [*TASKS, *(pytest.param(name, marks=LONG) for name in OTHER_TASKS)]
 )
 def test_a_demonstration_is_the_whole_ones_beginning_up_to_where_its_task_is_solved(
     name: str,

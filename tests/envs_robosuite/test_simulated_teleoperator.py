@@ -269,6 +269,7 @@ def test_no_planner_is_at_work() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_thirty_demonstrations_have_a_second_grasp_among_them() -> None:
     shown = [WHOLE.demonstrate(PickPlaceConfig(), index, 0) for index in range(30)]
     assert 250 < np.mean([item.steps for item in shown]) < 380
@@ -278,6 +279,7 @@ def test_thirty_demonstrations_have_a_second_grasp_among_them() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "paper"), [("nut_assembly", 232), ("tidy_up", 403)])
 def test_thirty_demonstrations_take_as_long_as_the_papers(name: str, paper: int) -> None:
     experiment = read_experiment(EXPERIMENTS / f"{name}.yaml")

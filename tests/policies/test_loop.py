@@ -12,6 +12,7 @@ from prime_core.contracts.training import Labels, TrainingContext
 from prime_core.errors import PrimeError, WeightsError
 from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.trunk import Trunk
+from prime_policies.training.devices import torch_device
 from prime_policies.training.examples import Examples
 from prime_policies.training.loop import Trainer, falling
 from prime_policies.training.settings import NetworkSettings
@@ -112,6 +113,17 @@ def test_a_training_that_diverges_says_so_and_keeps_nothing(tmp_path: Path, rate
     with pytest.raises(PrimeError, match=r"training 'net' diverged in epoch 1: .*Nothing was kept"):
         run(tmp_path, settings=SETTINGS.model_copy(update={"learning_rate": rate}))
     assert not list(tmp_path.iterdir())
+
+
+def test_a_gpu_that_is_asked_for_but_not_there_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a machine that has one all other tests of this file train on it."""
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    assert {torch_device(name).type for name in ("auto", "cpu")} == {"cpu"}
+    context = TrainingContext(**{**vars(CONTEXT), "device": "cuda"}, folder=tmp_path, seed=0)
+    with pytest.raises(PrimeError, match=r"compute\.device is cuda, but torch finds no GPU here"):
+        Trainer(context, "identity", 1).train("net", network(), examples(), SETTINGS, 1)
 
 
 def test_weights_that_are_not_finite_stop_a_training(tmp_path: Path) -> None:

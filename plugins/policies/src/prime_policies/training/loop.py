@@ -11,7 +11,8 @@ from torch import Tensor, nn
 
 from prime_core.contracts.training import TrainingContext
 from prime_core.errors import PrimeError, WeightsError
-from prime_policies.networks.network import Network
+from prime_policies.networks.network import Batch, Network
+from prime_policies.training.devices import torch_device
 from prime_policies.training.examples import Examples
 from prime_policies.training.repeatable import seeded, threads
 from prime_policies.training.settings import NetworkSettings
@@ -58,7 +59,8 @@ class Trainer:
                 called for the same epoch again after an interruption.
 
         Raises:
-            PrimeError: If a loss or a weight is not finite. Nothing is kept as done.
+            PrimeError: If a loss or a weight is not finite, or if there is no GPU where one is
+                asked for. Nothing is kept as done.
             WeightsError: If the folder holds another training.
         """
         before, self.done = self.done, self.done + epochs
@@ -67,14 +69,15 @@ class Trainer:
             network.load_state_dict(self.read(path)[0])
             return
         with threads(self.context.threads):
-            run = _Run(self, name, network, settings, epochs)
+            device = torch_device(self.context.device)
+            run = _Run(self, name, network.to(device), settings, epochs)
             for epoch in range(run.restore(), epochs):
                 run.epoch(epoch, examples)
                 if keep is not None:
                     keep(epoch + 1)
                 run.keep(epoch + 1)
                 self.context.progress(before + epoch + 1, self.total)
-        self.write(path, network.state_dict())
+        self.write(path, network.cpu().state_dict())
         run.state.unlink(missing_ok=True)
 
     def write(self, path: Path, tensors: Mapping[str, Tensor], **notes: str) -> None:
@@ -122,10 +125,12 @@ class _Run:
         noise = torch.Generator().manual_seed(int(generator.integers(2**62)))
         steps, size = self._settings.steps_per_epoch, self._settings.batch_size
         draws = examples.draws(generator, steps * size).reshape(steps, size)
+        device = next(self._network.parameters()).device
         for step, chosen in enumerate(draws, start=number * steps):
             for group in self._optimiser.param_groups:
                 group["lr"] = group["first_lr"] * falling(step, self._epochs * steps)
-            loss = self._network.loss(examples.batch(chosen), noise)
+            batch = Batch(*(part.to(device) for part in examples.batch(chosen)))
+            loss = self._network.loss(batch, noise)
             self._optimiser.zero_grad()
             loss.backward()
             nn.utils.clip_grad_norm_(self._network.parameters(), GRADIENT_LIMIT)

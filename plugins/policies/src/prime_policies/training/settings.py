@@ -4,12 +4,13 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from prime_core.configuration import Config, Count, Share
+from prime_core.configuration import Count, Share
+from prime_core.contracts.training import TrainableConfig
 
 Width = Annotated[int, Field(ge=1, le=8192)]
 
 
-class NetworkSettings(Config):
+class NetworkSettings(TrainableConfig):
     """How large the networks are, and how a step of their training goes."""
 
     kind: ClassVar[str]  # name that the settings are registered under
@@ -31,3 +32,9 @@ class NetworkSettings(Config):
     """Of AdamW at the start; it falls to zero by half a cosine."""
     weight_decay: Share = 1e-3
     """Decoupled, of AdamW; offsets and precisions of mixtures have none."""
+
+    def check_device(self, device: str) -> None:
+        """Ask torch for it; see `TrainableConfig`."""
+        from prime_policies.training.devices import torch_device
+
+        torch_device(device)
