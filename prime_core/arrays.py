@@ -9,5 +9,8 @@ Array = NDArray[np.float64]
 Floats = NDArray[np.float64]
 """Plain numbers, such as weights."""
 
+Flags = NDArray[np.bool_]
+"""Whether, of each."""
+
 Indices = NDArray[np.int64]
 """Rows of other arrays."""

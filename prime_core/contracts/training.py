@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from prime_core.arrays import Floats, Indices
+from prime_core.arrays import Flags, Floats, Indices
 from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.description import SceneDescription
@@ -46,12 +46,15 @@ class CallData:
         types: Which primitive.
         parameters: Of which the parameters are learnt; none is `other`.
         values: Their parameters in their units, padded with zeros, ``(m, width)``.
+        under_way: Of which the motion is under way, ``(m,)``; None if of none. They say where a
+            motion leads, but no longer how it has to begin: see `AugmentationConfig`.
     """
 
     observations: Observations
     types: Labels
     parameters: Labels
     values: Floats
+    under_way: Flags | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from prime_core.arrays import Indices
+from prime_core.arrays import Flags, Floats, Indices
 from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import Config
 from prime_core.contracts.calls import OTHER
@@ -24,9 +24,9 @@ class AugmentationConfig(Config):
     """Settings of the stepwise augmentation (paper, section III-C)."""
 
     parameter_share: float = Field(0.3, gt=0, le=1)
-    """Share of a segment, from its start, whose frames the parameter network learns from. Later on
-    the gripper has turned to where it will be: who learns from that leaves it as it is. In the
-    paper it is 1."""
+    """Share of a segment, from its start, whose frames the parameter network learns all parameters
+    from. Later on the gripper has turned to where it will be: who learns from that leaves it as it
+    is. From frames after it only where displacements end is learnt. In the paper it is 1."""
     type_margin: int = Field(11, ge=0, le=10_000)
     """Steps at the end of a segment that the type network does not learn from."""
 
@@ -61,7 +61,8 @@ def augmented_calls(
     space = idm.space
     types = _Columns()
     values = _Columns()
-    parameters: list[NDArray[np.float64]] = []
+    parameters: list[Floats] = []
+    under_way: list[Flags] = []
     offset = 0
     for item in parsed:
         features = idm.encode(item.demonstration.observations.only(idm.sees))
@@ -72,10 +73,15 @@ def augmented_calls(
             last = max(segment.start + 1, segment.end - config.type_margin)
             chosen = _draw(segment.start, last, TYPE_FRAMES, generator)
             types.add(chosen + offset, label, 1.0 / len(chosen))
-            last = segment.start + max(1, round(config.parameter_share * segment.steps))
-            chosen = _draw(segment.start, last, PARAMETER_FRAMES, generator)
+            early = segment.start + max(1, round(config.parameter_share * segment.steps))
+            first = _draw(segment.start, early, PARAMETER_FRAMES, generator)
+            later = _draw(early, last, PARAMETER_FRAMES, generator)
+            chosen = np.concatenate((first, later))
             values.add(chosen + offset, label, 1.0)
-            pairs = np.stack((chosen, np.full_like(chosen, segment.end)), axis=1)
+            under_way.append(chosen >= early)
+            # Of a motion that is under way, the segment's start says best what it is.
+            starts = np.where(chosen < early, chosen, segment.start)
+            pairs = np.stack((starts, np.full_like(chosen, segment.end)), axis=1)
             parameters.append(idm.parameters(features, pairs, np.full_like(chosen, label))[0])
         offset += len(item.demonstration.observations)
     return CallData(
@@ -83,6 +89,7 @@ def augmented_calls(
         types=types.labels(),
         parameters=values.labels(),
         values=np.concatenate([*parameters, np.empty((0, space.width))]),
+        under_way=np.concatenate([*under_way, np.empty(0, dtype=bool)]),
     )
 
 

@@ -93,7 +93,7 @@ def fingerprint(card: Card, seed: int, data: Sequence[CallData]) -> str:
         seen, labels = item.observations, (item.types, item.parameters)
         arrays = [seen.state, seen.environment_state]
         arrays += [array for label in labels for array in vars(label).values()]
-        for array in (*arrays, item.values):
+        for array in (*arrays, item.values, item.under_way):
             if array is not None:
                 digest.update(repr((array.shape, array.dtype)).encode())
                 digest.update(np.ascontiguousarray(array).data)

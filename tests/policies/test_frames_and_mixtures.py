@@ -67,6 +67,16 @@ def test_a_displacement_is_learnt_as_where_it_ends() -> None:
     ]
 
 
+def test_what_is_learnt_of_a_displacement_may_lie_ahead_of_its_end() -> None:
+    layout = ParameterLayout(PUSH, ahead=0.1)
+    values = np.array([[0.1, 0.2, 0.9, 0.3, 0.06, -0.08, 0.0], [0.1, 0.2, 0.9, 0.3, 0.0, 0.0, 0.0]])
+    targets = layout.targets(values)
+    np.testing.assert_allclose(targets[:, 4:], [[0.22, 0.04, 0.9], [0.1, 0.2, 0.9]])
+    np.testing.assert_allclose(layout.parameters(targets), values, atol=1e-12)
+    targets[0, 4:] = [0.13, 0.16, 0.9]  # nearer than that: there is nothing to move
+    np.testing.assert_allclose(layout.parameters(targets)[0, 4:], 0.0)
+
+
 def test_parameters_come_back_within_their_bounds() -> None:
     layout = ParameterLayout(POSE)
     found = layout.parameters(np.array([[0.9, 0.0, 0.7, np.pi / 2 + 0.2]]))[0]

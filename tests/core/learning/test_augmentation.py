@@ -16,7 +16,7 @@ FRAMES = 101
 
 
 class EndsThere(InverseDynamicsModel):
-    """Says that the first parameter is the number of the frame that a pair ends at."""
+    """Says that the first parameters are the frames that a pair ends and starts at."""
 
     space = SPACE
 
@@ -30,7 +30,7 @@ class EndsThere(InverseDynamicsModel):
         self, features: NDArray[np.float32], pairs: Indices, labels: Indices
     ) -> tuple[Floats, Floats]:
         values = np.zeros((len(pairs), SPACE.width))
-        values[:, 0] = pairs[:, 1]
+        values[:, :2] = pairs[:, ::-1]
         return values, np.zeros(len(pairs))
 
 
@@ -51,12 +51,27 @@ def test_parameters_are_learnt_from_where_segments_begin(
 ) -> None:
     config = AugmentationConfig(parameter_share=share)
     data = augmented_calls([parsed, parsed], EndsThere(), config, np.random.default_rng(0))
-    reach, nudge = (data.parameters.rows[data.parameters.classes == label, 0] for label in (0, 1))
+    begun = ~data.under_way
+    reach, nudge = (
+        data.parameters.rows[begun & (data.parameters.classes == label), 0] for label in (0, 1)
+    )
     for found, start, count in zip((reach, nudge), (0, 50), counts, strict=True):
         once = np.arange(start, start + count)
         assert found.tolist() == [*once, *(once + FRAMES)]
     ends = np.where(data.parameters.classes == 0, 40, 100)
     assert np.array_equal(data.values[:, 0], ends)
+
+
+def test_later_frames_are_marked_and_have_the_parameters_of_the_whole_segment(
+    parsed: ParsedDemonstration,
+) -> None:
+    config = AugmentationConfig(parameter_share=0.3, type_margin=11)
+    data = augmented_calls([parsed], EndsThere(), config, np.random.default_rng(0))
+    assert data.under_way is not None
+    frames, starts = data.parameters.rows[:, 0], data.values[:, 1]
+    assert frames[data.under_way].tolist() == [*range(12, 29), *range(65, 89)]
+    assert starts[data.under_way].tolist() == [0] * 17 + [50] * 24
+    assert np.array_equal(starts[~data.under_way], frames[~data.under_way])
 
 
 def test_types_are_learnt_from_all_but_the_end_of_a_segment(parsed: ParsedDemonstration) -> None:

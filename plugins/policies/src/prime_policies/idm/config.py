@@ -13,6 +13,7 @@ class MlpGmmIdmConfig(IdmConfig, NetworkSettings):
     """A classifier of primitives and a task-parameterised mixture of their parameters."""
 
     kind = "mlp-gmm"
+    version = 3
     pair = True
 
     classifier_epochs: Count = 12

@@ -31,9 +31,12 @@ def wrapped(differences: Tensor, periods: Tensor) -> Tensor:
 
 
 def log_density(mixture: Mixture, values: Tensor) -> Tensor:
-    """Return the log density at values ``(n, D)``, ``(n,)``."""
-    standard = wrapped(values[:, None] - mixture.means, mixture.periods) / mixture.deviations
+    """Return the log density at values ``(n, D)``, ``(n,)``; of those numbers that are not NaN."""
+    known = ~values.isnan()[:, None]
+    differences = torch.where(known, values[:, None] - mixture.means, 0.0)
+    standard = wrapped(differences, mixture.periods) / mixture.deviations
     terms = -0.5 * standard.square() - mixture.deviations.log() - 0.5 * log(2 * pi)
+    terms = torch.where(known, terms, 0.0)
     return torch.logsumexp(mixture.logits.log_softmax(dim=-1) + terms.sum(dim=-1), dim=-1)
 
 

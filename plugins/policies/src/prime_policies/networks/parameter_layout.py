@@ -30,22 +30,25 @@ class Group:
 class ParameterLayout:
     """The groups of a primitive's parameters, and targets of networks made of them.
 
-    A displacement is learnt as the point where it ends, so that all points are alike. Targets are
-    in the parameters' units; ``scales`` bring them to about [-1, 1].
+    A displacement is learnt as a point, so that all points are alike: the one where it ends, or
+    one that lies a way ahead of that. Targets are in the parameters' units; ``scales`` bring them
+    to about [-1, 1].
 
     Args:
         space: Parameters by the field's names (`POINTS`, `YAW`); others are plain numbers.
+        ahead: How far ahead [m].
 
     Attributes:
         groups: Of the numbers.
+        ends: Which numbers are learnt of a displacement.
         scales: Half of the range of each number, the same for both in a plane, ``(P,)``.
         periods: After which angles repeat [rad], ``(P,)``; 0 for other numbers.
         density_shift: What is added to a log density of targets over ``scales`` for the one of
             parameters normalised to [-1, 1].
     """
 
-    def __init__(self, space: ParameterSpace) -> None:
-        self._space = space
+    def __init__(self, space: ParameterSpace, ahead: float = 0.0) -> None:
+        self._space, self._ahead = space, ahead
         places = {item.name: place for place, item in enumerate(space.parameters)}
         groups: list[Group] = []
         for x, y, z in POINTS:
@@ -61,7 +64,8 @@ class ParameterLayout:
         self.groups = tuple(groups)
         pairs = list(zip(*POINTS, strict=True))
         whole = all(name in places for pair in pairs for name in pair)
-        self._moves = [(places[start], places[move]) for start, move in pairs if whole]
+        self._starts = [places[start] for start, _ in pairs if whole]
+        self.ends = [places[move] for _, move in pairs if whole]
         self.periods = np.array([item.period or 0.0 for item in space.parameters])
         halves = np.maximum((space.high - space.low) / 2, 1e-6)
         self.scales = halves.copy()
@@ -72,8 +76,8 @@ class ParameterLayout:
     def targets(self, parameters: Floats) -> Floats:
         """Return what networks learn for parameters ``(n, P)``."""
         result = np.array(parameters, dtype=np.float64)
-        for start, move in self._moves:
-            result[:, move] += result[:, start]
+        moves = _lengthened(result[:, self.ends], self._ahead)
+        result[:, self.ends] = result[:, self._starts] + moves
         return result
 
     def parameters(self, targets: Floats) -> Floats:
@@ -84,6 +88,12 @@ class ParameterLayout:
             if period:
                 middle = (low[place] + high[place]) / 2
                 result[:, place] = middle + wrap_angle(result[:, place] - middle, period)
-        for start, move in self._moves:
-            result[:, move] -= result[:, start]
+        moves = result[:, self.ends] - result[:, self._starts]
+        result[:, self.ends] = _lengthened(moves, -self._ahead)
         return np.clip(result, low, high)
+
+
+def _lengthened(moves: Floats, by: float) -> Floats:
+    """Return displacements ``(n, 3)`` that are longer, or shorter down to nothing [m]."""
+    lengths = np.linalg.norm(moves, axis=1, keepdims=True)
+    return moves * np.maximum(1.0 + by / np.maximum(lengths, 1e-6), 0.0)

@@ -47,7 +47,11 @@ class ParameterNetwork(Network):
     def start(
         self, batch: Batch, components: Iterable[int], generator: np.random.Generator
     ) -> None:
-        """Start some components where examples gather, of each primitive that has any."""
+        """Start some components where examples gather, of each primitive that has any.
+
+        Those of which all parameters are known.
+        """
+        batch = Batch(*(part[~batch.targets.isnan().any(dim=1)] for part in batch))
         inputs = self.trunk.inputs(batch.features)
         for mixture, rows, targets in self._by_primitive(batch):
             poses = batch.poses[rows]

@@ -15,6 +15,7 @@ class PrimePolicySettings(NetworkSettings):
     """How its two networks are pretrained and fine-tuned."""
 
     kind = "prime"
+    version = 4
     pair = False
 
     components: int = Field(12, ge=2, le=64)

@@ -14,6 +14,7 @@ class NetworkSettings(TrainableConfig):
     """How large the networks are, and how a step of their training goes."""
 
     kind: ClassVar[str]  # name that the settings are registered under
+    version: ClassVar[int]  # of weights; rises when older ones would mean something else
     pair: ClassVar[bool]  # whether the networks see pairs of instants, or single ones
 
     hidden_sizes: tuple[Width, ...] = Field((256, 256), min_length=1, max_length=16)
