@@ -53,6 +53,7 @@ PUBLIC = (
     "prime_core.errors",
     "prime_core.files",
     "prime_core.learning.model_card",
+    "prime_core.learning.parameter_layout",
     "prime_core.learning.scene_features",
     "prime_core.rotations",
     "prime_core.seeds",

@@ -4,8 +4,8 @@ import numpy as np
 import torch
 
 from prime_core.contracts.calls import Parameter, ParameterSpace
+from prime_core.learning.parameter_layout import ParameterLayout
 from prime_policies.networks.network import Batch
-from prime_policies.networks.parameter_layout import ParameterLayout
 from prime_policies.networks.parameter_network import ParameterNetwork
 from prime_policies.networks.product_mixture import END_FRAME, ProductMixture
 from prime_policies.networks.reference_frames import ReferenceFrame

@@ -4,8 +4,8 @@ import numpy as np
 import torch
 
 from prime_core.contracts.calls import Parameter, ParameterSpace
+from prime_core.learning.parameter_layout import ParameterLayout
 from prime_policies.networks.gate import Gate
-from prime_policies.networks.parameter_layout import ParameterLayout
 
 LAYOUT = ParameterLayout(
     ParameterSpace(

@@ -25,6 +25,18 @@ def test_density_is_that_of_torch() -> None:
     torch.testing.assert_close(log_density(ours, values), reference.log_prob(values))
 
 
+def test_numbers_that_are_not_known_do_not_count() -> None:
+    ours, values = mixture(), torch.randn(4, 2, generator=torch.Generator().manual_seed(1))
+    first = ours._replace(means=ours.means[..., :1], deviations=ours.deviations[:, :1])
+    expected = log_density(first._replace(periods=torch.zeros(1)), values[:, :1])
+    ours.means.requires_grad_()
+    found = log_density(ours, torch.stack((values[:, 0], torch.full((4,), torch.nan)), dim=1))
+    torch.testing.assert_close(found, expected)
+    (gradient,) = torch.autograd.grad(found.sum(), ours.means)
+    assert gradient.isfinite().all()
+    assert not gradient[..., 1].any()
+
+
 def test_best_mean_is_that_of_the_weightiest_component() -> None:
     ours = mixture()._replace(logits=torch.tensor([[0.0, 2.0, 1.0]] * 4))
     assert torch.equal(best_means(ours), ours.means[:, 1])

@@ -4,7 +4,7 @@ import numpy as np
 import torch
 
 from prime_core.contracts.calls import Parameter, ParameterSpace
-from prime_policies.networks.parameter_layout import ParameterLayout
+from prime_core.learning.parameter_layout import ParameterLayout
 from prime_policies.networks.product_mixture import ProductMixture
 from prime_policies.networks.reference_frames import ReferenceFrame
 from prime_policies.networks.starting import start_components

@@ -5,7 +5,7 @@ import math
 import torch
 from torch import Tensor, nn
 
-from prime_policies.networks.parameter_layout import ParameterLayout
+from prime_core.learning.parameter_layout import ParameterLayout
 
 HIDDEN = 64  # units of a layer: it sees a handful of numbers
 

@@ -14,9 +14,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from prime_core.learning.parameter_layout import ParameterLayout
 from prime_policies.networks.gate import Gate
 from prime_policies.networks.mixture import Mixture, wrapped
-from prime_policies.networks.parameter_layout import ParameterLayout
 from prime_policies.networks.reference_frames import ReferenceFrame
 
 END_FRAME = 2  # number of the frame "gripper at s'" of pairs; only pairs have affine maps

@@ -8,9 +8,9 @@ import torch
 
 from prime_core.contracts.training import CallData, Labels, ModelContext
 from prime_core.learning.model_card import check_card, make_card
+from prime_core.learning.parameter_layout import ParameterLayout
 from prime_core.learning.scene_features import FeatureEncoder
 from prime_policies.networks.classifier import Classifier
-from prime_policies.networks.parameter_layout import ParameterLayout
 from prime_policies.networks.parameter_network import ParameterNetwork
 from prime_policies.networks.product_mixture import ProductMixture
 from prime_policies.networks.reference_frames import ReferenceFrames
