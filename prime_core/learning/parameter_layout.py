@@ -96,4 +96,5 @@ class ParameterLayout:
 def _lengthened(moves: Floats, by: float) -> Floats:
     """Return displacements ``(n, 3)`` that are longer, or shorter down to nothing [m]."""
     lengths = np.linalg.norm(moves, axis=1, keepdims=True)
-    return moves * np.maximum(1.0 + by / np.maximum(lengths, 1e-6), 0.0)
+    result: Floats = moves * np.maximum(1.0 + by / np.maximum(lengths, 1e-6), 0.0)
+    return result

@@ -25,8 +25,8 @@ class PrimePolicySettings(NetworkSettings):
     """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]: about what the
     parameters of parsed demonstrations are known to. With less, components learn by heart."""
     input_noise: float = Field(0.3, ge=0, le=10)
-    """Standard deviation of the noise on normalised inputs while training: thirty demonstrations
-    show few of the scenes that a policy comes to, and with less it is sure of itself in the others."""
+    """Standard deviation of the noise on normalised inputs while training: demonstrations show few
+    of the scenes that a policy comes to, and with less noise it is too sure of itself elsewhere."""
     pretraining_epochs: Count = 8
     """Epochs of each network on the rollouts."""
     finetuning_epochs: int = Field(10, ge=1, le=1000)
