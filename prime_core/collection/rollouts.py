@@ -1,12 +1,39 @@
 """The rollouts of many collected episodes as one table."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 
 from prime_core.arrays import Floats, Indices
 from prime_core.collection.recording import CollectedEpisode
+from prime_core.contracts.images import ChosenImages
 from prime_core.contracts.observations import Observations
+
+
+@dataclass(frozen=True, eq=False)
+class EpisodeImages:
+    """Images of some frames of an episode.
+
+    Attributes:
+        frames: Which, in order, ``(k,)``.
+        images: By camera, ``(k, H, W, 3)``.
+    """
+
+    frames: Indices
+    images: Mapping[str, ChosenImages]
+
+    def at(self, frames: Indices) -> dict[str, ChosenImages]:
+        """Return the images of some of the frames, unread.
+
+        Raises:
+            ValueError: If one has none.
+        """
+        if not np.isin(frames, self.frames).all():
+            raise ValueError("a frame has no image: images were made with a smaller 'around'")
+        rows = np.searchsorted(self.frames, frames)
+        return {name: images.chosen(rows) for name, images in self.images.items()}
 
 
 class RolloutTable:
@@ -28,9 +55,15 @@ class RolloutTable:
     Args:
         episodes: Each is looked at once.
         around: Frames that are kept on either side of the ends of rollouts.
+        images: Of each episode, at least those of `learnt_frames`; None for none.
     """
 
-    def __init__(self, episodes: Iterable[CollectedEpisode], around: int = 0) -> None:
+    def __init__(
+        self,
+        episodes: Iterable[CollectedEpisode],
+        around: int = 0,
+        images: Iterable[EpisodeImages] | None = None,
+    ) -> None:
         first, starts = 0, []
         seen: list[Observations] = []
         numbers: list[Indices] = []
@@ -38,11 +71,12 @@ class RolloutTable:
         parameters: list[Floats] = []
         others: list[Indices] = []
         late_ends: list[Indices] = []
-        for item in episodes:
-            kept = _learnt_from(item, around)
+        for item, pictured in zip(episodes, repeat(None) if images is None else images):  # noqa: B905
+            kept = learnt_frames(item, around)
             starts.append(first)
             numbers.append(kept + first)
-            seen.append(Observations(item.state[kept], item.environment_state[kept]))
+            shown = {} if pictured is None else pictured.at(kept)
+            seen.append(Observations(item.state[kept], item.environment_state[kept], shown))
             rollouts.append(item.rollouts + np.array([first, first, 0]))
             parameters.append(item.parameters)
             others.append(item.others + first)
@@ -73,8 +107,13 @@ class RolloutTable:
         return found
 
 
-def _learnt_from(episode: CollectedEpisode, around: int) -> Indices:
-    """Return the frames of an episode that pairs begin or end at, in order."""
+def learnt_frames(episode: CollectedEpisode, around: int) -> Indices:
+    """Return the frames of an episode that pairs begin or end at, in order, ``(k,)``.
+
+    Args:
+        episode: The episode.
+        around: Frames on either side of the ends of rollouts.
+    """
     ends = episode.rollouts[:, :2].reshape(-1, 1) + np.arange(-around, around + 1)
     used = np.concatenate((ends.ravel(), episode.others.ravel(), episode.late_ends))
     kept: Indices = np.unique(np.clip(used, 0, len(episode.state) - 1))

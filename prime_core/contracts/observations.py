@@ -13,12 +13,13 @@ Images are ``observation.images.NAME``.
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Array, Indices
+from prime_core.contracts.images import ChosenImages, Images
 from prime_core.rotations import yaw_of
 
 STATE_KEY = "observation.state"
@@ -30,17 +31,6 @@ OBJECT_WIDTH = 8  # position, quaternion and held flag of one object
 
 Modality = Literal["proprioception", "objects", "images"]
 """What a model may see: robot state, object poses, images."""
-
-
-class Images(Protocol):
-    """Images of one camera: an array, or a memory map that is read when it is indexed."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """``(N, H, W, 3)``; uint8."""
-
-    def __getitem__(self, rows: Any, /) -> Any:
-        """Return the images of some rows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +68,7 @@ class Observations:
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
-        """Return the instants of several observations one after another; images are read.
+        """Return the instants of several observations one after another; images stay unread.
 
         Raises:
             ValueError: If there is none, or only some of them have object poses or an image.
@@ -94,7 +84,7 @@ class Observations:
             state=np.concatenate([item.state for item in parts]),
             environment_state=np.concatenate(known) if known else None,
             images={
-                name: np.concatenate([np.asarray(item.images[name][:]) for item in parts])
+                name: ChosenImages.joined([item.images[name] for item in parts])
                 for name in parts[0].images
             },
         )

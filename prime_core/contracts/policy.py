@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.contracts.calls import PrimitiveCall
+from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Action
 from prime_core.contracts.observations import Modality, Observations
@@ -28,9 +29,11 @@ class PrimitivePolicy(ABC):
 
     Attributes:
         sees: What it looks at; it is given nothing else.
+        cameras: What it sees images through; None where it sees none.
     """
 
     sees: tuple[Modality, ...] = ("proprioception", "objects")
+    cameras: CameraConfig | None = None
 
     @abstractmethod
     def candidates(
@@ -66,9 +69,11 @@ class MotorPolicy(ABC):
 
     Attributes:
         sees: What it looks at; it is given nothing else.
+        cameras: What it sees images through; None where it sees none.
     """
 
     sees: tuple[Modality, ...] = ("proprioception", "objects")
+    cameras: CameraConfig | None = None
 
     @abstractmethod
     def reset(self, generator: np.random.Generator) -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 from prime_core.arrays import Flags, Floats, Indices
 from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.observations import Observations
+from prime_core.contracts.observations import Modality, Observations
 
 Progress = Callable[[int, int], None]
 """Called with the number of finished parts and the number of all parts."""
@@ -66,15 +67,22 @@ class ModelContext:
         space: The primitives to tell apart or choose from; a motor policy has none.
         device: Where networks are trained: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is
             one. A model at work may stay on the CPU.
+        cameras: What a model that sees images sees through; None for others.
     """
 
     description: SceneDescription
     space: PrimitiveSpace
     device: str = "auto"
+    cameras: CameraConfig | None = None
 
 
 class TrainableConfig(Config):
     """Settings of what is trained."""
+
+    @property
+    def modalities(self) -> tuple[Modality, ...]:
+        """What the trained model will see; with images among them, training data has images."""
+        return ("proprioception", "objects")
 
     def check_device(self, device: str) -> None:
         """Make sure that this machine can train on a device, before hours of other work.

@@ -125,7 +125,7 @@ class PrimitiveRunner(SceneRunner):
         config: RunnerConfig,
     ) -> None:
         super().__init__(description)
-        self.sees = policy.sees
+        self.sees, self.cameras = policy.sees, policy.cameras
         self._policy = policy
         self._primitives = {item.name: item for item in primitives}
         self._config = config

@@ -11,6 +11,7 @@ from prime_core.contracts.observations import Observations
 from prime_core.contracts.policy import MotorPolicy
 from prime_core.contracts.primitive import Primitive
 from prime_core.contracts.scene import Scene
+from prime_core.execution.live_images import with_live_images
 from prime_core.execution.motions import OnStep, step
 from prime_core.execution.runner import CallRecord, SceneRunner
 
@@ -86,7 +87,10 @@ def run_policy(
     """
     scenes, solved = [environment.scene()], False
     while len(scenes) <= maximum_steps and not solved:
-        action = policy.act(Observations.single(observation).only(policy.sees))
+        seen = Observations.single(observation)
+        if policy.cameras is not None:
+            seen = with_live_images(seen, environment, policy.cameras)
+        action = policy.act(seen.only(policy.sees))
         if action is None:
             break
         observation, solved = step(environment, action)

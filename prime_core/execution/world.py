@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import Environment
 from prime_core.contracts.primitive import Primitive
@@ -28,9 +29,11 @@ class World:
         """The primitives' names and parameters."""
         return primitive_space(self.primitives)
 
-    def context(self, device: str) -> ModelContext:
-        """Return where models are used that compute on a device."""
-        return ModelContext(description=self.description, space=self.space, device=device)
+    def context(self, device: str, cameras: CameraConfig | None = None) -> ModelContext:
+        """Return where models are used that compute on a device, and see through cameras."""
+        return ModelContext(
+            description=self.description, space=self.space, device=device, cameras=cameras
+        )
 
 
 def primitive_space(primitives: Sequence[Primitive]) -> PrimitiveSpace:

@@ -1,6 +1,7 @@
 """Where an experiment runs."""
 
-from typing import Literal, Self
+from pathlib import Path
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -8,6 +9,10 @@ from prime_core.configuration import Config
 
 SLURM_KEYS = ("partition", "account", "qos", "constraint", "memory_gb", "minutes", "setup")
 """Keys of `ComputeConfig` that mean nothing on this machine alone."""
+
+
+_LONG = 60 * 24 * 14
+"""Minutes after which submitit takes a local job for hung; its default is two."""
 
 
 class ComputeConfig(Config):
@@ -46,3 +51,25 @@ class ComputeConfig(Config):
         if self.cluster == "slurm" and not self.workers:
             raise ValueError("found 0 workers with 'cluster: slurm': at least 1 job is needed")
         return self
+
+    def infra(self, folder: Path) -> dict[str, Any]:
+        """Return exca's settings of stages that keep what they make in a folder."""
+        infra: dict[str, Any] = {
+            "folder": folder,
+            "cluster": self.cluster if self.workers else None,
+            "max_jobs": self.workers or None,
+            "keep_in_ram": False,
+            "timeout_min": _LONG,
+        }
+        if self.cluster == "slurm":
+            infra |= {
+                "timeout_min": self.minutes,
+                "cpus_per_task": 1,
+                "mem_gb": self.memory_gb,
+                "slurm_partition": self.partition,
+                "slurm_account": self.account,
+                "slurm_qos": self.qos,
+                "slurm_constraint": self.constraint,
+                "slurm_setup": list(self.setup) or None,
+            }
+        return infra

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from prime_core.configuration import ConfigDump
-from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig
+from prime_core.contracts.idm import IdmConfig
+from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig, PrimitivePolicyConfig
 from prime_core.errors import ConfigurationError
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.run_folder.code import Code, digest_of
@@ -21,6 +22,7 @@ from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.export import Export
 from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
 from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
@@ -28,9 +30,6 @@ from prime_core.experiments.stages.replay import Replaying
 from prime_core.experiments.stages.stage import Stage
 from prime_core.experiments.stages.video import Video
 from prime_core.registry.fields import dump_choice
-
-_LONG = 60 * 24 * 14
-"""Minutes after which submitit takes a local job for hung; its default is two."""
 
 
 class Experiment:
@@ -65,9 +64,21 @@ class Experiment:
             settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
         )
+        cameras = config.images.model_dump(mode="json")
+        self.rollout_images = self._stage(
+            CollectionImages,
+            collection=self.collection,
+            cameras=cameras,
+            around=config.pairs.around if _sees_images(config.idm) else 0,
+        )
+        self.demonstration_images = self._stage(
+            DemonstrationImages, demonstrations=self.demonstrations, cameras=cameras
+        )
+        sees_images = _sees_images(config.idm)
         self.idm = self._stage(
             IdmTraining,
             collection=self.collection,
+            rollout_images=self.rollout_images if sees_images else None,
             pairs=config.pairs.model_dump(mode="json"),
             idm=dump_choice(config.idm),
             seed=config.seed,
@@ -77,6 +88,7 @@ class Experiment:
             Parsing,
             demonstrations=self.demonstrations,
             idm=self.idm,
+            images=self.demonstration_images if sees_images else None,
             parser=dump_choice(config.parser),
         )
         self.replay = self._stage(Replaying, parsing=self.parsing)
@@ -109,11 +121,17 @@ class Experiment:
             "seeds": config.seeds,
             "device": config.compute.device,
         }
+        images = self.demonstration_images if _sees_images(policy) else None
         if isinstance(policy, MotorPolicyConfig):
-            return self._stage(MotorPolicyTraining, demonstrations=self.demonstrations, **common)
+            return self._stage(
+                MotorPolicyTraining, demonstrations=self.demonstrations, images=images, **common
+            )
+        pretrained = isinstance(policy, PrimitivePolicyConfig) and policy.pretrain
         return self._stage(
             PrimitivePolicyTraining,
             parsing=self.parsing,
+            images=images,
+            rollout_images=self.rollout_images if images and pretrained else None,
             augmentation=config.augmentation.model_dump(mode="json"),
             **common,
         )
@@ -121,33 +139,13 @@ class Experiment:
     def _stage[AnyStage: Stage](self, kind: type[AnyStage], **fields: Any) -> AnyStage:
         """Return a stage, as the code of now made it, or else as other code made it last."""
         content = content_of(settings_in(fields))
-        make = partial(kind, content=content, infra=self._infra(), **fields)
+        make = partial(
+            kind, content=content, infra=self.config.compute.infra(self.folder / "stages"), **fields
+        )
         stage = make()
         marks = marks_beside(stage.folder, stage.family)
         version = _version(marks, stage.code_now(), remake=self._remake)
         return make(code=version) if version else stage
-
-    def _infra(self) -> dict[str, Any]:
-        compute = self.config.compute
-        infra: dict[str, Any] = {
-            "folder": self.folder / "stages",
-            "cluster": compute.cluster if compute.workers else None,
-            "max_jobs": compute.workers or None,
-            "keep_in_ram": False,
-            "timeout_min": _LONG,
-        }
-        if compute.cluster == "slurm":
-            infra |= {
-                "timeout_min": compute.minutes,
-                "cpus_per_task": 1,
-                "mem_gb": compute.memory_gb,
-                "slurm_partition": compute.partition,
-                "slurm_account": compute.account,
-                "slurm_qos": compute.qos,
-                "slurm_constraint": compute.constraint,
-                "slurm_setup": list(compute.setup) or None,
-            }
-        return infra
 
     @property
     def identity(self) -> str:
@@ -196,6 +194,7 @@ class Experiment:
         stages: dict[str, Stage] = {
             "demonstrations": self.demonstrations,
             "collection": self.collection,
+            **self._image_stages,
             "idm": self.idm,
             "parsing": self.parsing,
             "export": self.export,
@@ -205,6 +204,17 @@ class Experiment:
             stages[f"policy.{name}"] = evaluation.training
             stages[f"evaluation.{name}"] = evaluation
             stages[f"video.{name}"] = self.videos[name]
+        return stages
+
+    @property
+    def _image_stages(self) -> dict[str, Stage]:
+        """The stages that make images, by name, where a model learns from them."""
+        stages: dict[str, Stage] = {}
+        trainings = [each.training for each in self.evaluations.values()]
+        if any(each.rollout_images for each in (self.idm, *trainings)):
+            stages["images.rollouts"] = self.rollout_images
+        if any(each.images for each in (self.parsing, *trainings)):
+            stages["images.demonstrations"] = self.demonstration_images
         return stages
 
     def until(self, last: str | None) -> dict[str, Stage]:
@@ -238,6 +248,10 @@ def _version(marks: list[CodeMark], now: Code, *, remake: bool) -> str:
         return digest_of(now)
     kept = [mark.version for mark in marks if mark.is_kept_for(now)]
     return next(iter([*kept, *(mark.version for mark in marks)]), "")
+
+
+def _sees_images(config: IdmConfig | PolicyConfig) -> bool:
+    return "images" in config.modalities
 
 
 def _evaluation_settings(config: EvaluationConfig, policy: PolicyConfig) -> ConfigDump:

@@ -8,6 +8,7 @@ from pydantic import Field, TypeAdapter, field_validator, model_validator
 
 from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import Config, Seed
+from prime_core.contracts.cameras import CameraConfig
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.compute import ComputeConfig
 from prime_core.experiments.variants import Changes, with_changes
@@ -48,6 +49,8 @@ class ExperimentConfig(Config):
     """Whether a demonstration that cannot be used is an error; else it is left out and listed."""
     collection: CollectionPlaces = CollectionPlaces()
     """How random rollouts are collected."""
+    images: CameraConfig = CameraConfig()
+    """What models that see images see through."""
     pairs: PairConfig = PairConfig()
     """What the IDM is trained on."""
     idm: IdmChoice

@@ -7,8 +7,10 @@ from typing import ClassVar
 from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
-from prime_core.contracts.training import TrainingContext
+from prime_core.contracts.training import ModelContext, TrainingContext
+from prime_core.execution.world import World
 from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.images import CollectionImages
 from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Result, Stage
 from prime_core.learning.idm_report import report_on
 from prime_core.learning.training_pairs import PairConfig, training_pairs
@@ -26,6 +28,7 @@ class IdmTraining(Stage):
     unit: ClassVar[str] = "models"
 
     collection: Collection
+    rollout_images: CollectionImages | None = None
     pairs: ConfigDump
     idm: ConfigDump
     seed: int
@@ -54,22 +57,31 @@ class IdmTraining(Stage):
             generator = generator_of(Stream.IDM, self.seed)
             count = self.collection.config.episodes
             cut = max(1, count - round(count * HELD_OUT_SHARE))
-            table = RolloutTable(self.collection.episodes(end=cut), pairs.around)
+            table = self._table(pairs.around, end=cut)
             data = training_pairs(table, space, pairs, generator)
             context = TrainingContext(
-                **vars(world.context(self.device)),
+                **vars(self._context(world)),
                 folder=self.folder / item,
                 seed=self.seed,
                 progress=self.progress_writer(item),
             )
             model = self.config.fit(data, context)
             exact = pairs.model_copy(update={"jittered_copies": 0, "late_ends": False})
-            left_out = RolloutTable(self.collection.episodes(start=cut)) if cut < count else table
+            left_out = self._table(start=cut) if cut < count else table
             held_out = training_pairs(left_out, space, exact, generator)
             yield report_on(model, held_out)
+
+    def _context(self, world: World) -> ModelContext:
+        images = self.rollout_images
+        return world.context(self.device, None if images is None else images.config)
+
+    def _table(self, around: int = 0, start: int = 0, end: int | None = None) -> RolloutTable:
+        """Return the rollouts of some episodes, with images if the model sees any."""
+        images = None if self.rollout_images is None else self.rollout_images.episodes(start, end)
+        return RolloutTable(self.collection.episodes(start, end), around, images)
 
     def load(self) -> InverseDynamicsModel:
         """Return the trained model."""
         self.results()
         world = self.collection.build_world()
-        return self.config.load(self.folder / "model", world.context(self.device))
+        return self.config.load(self.folder / "model", self._context(world))

@@ -10,6 +10,7 @@ from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
 from prime_core.experiments.stages.demonstrations import Demonstrations
+from prime_core.experiments.stages.images import with_images
 from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.stage import Result
@@ -38,15 +39,16 @@ class MotorPolicyTraining(PolicyTraining):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""
-        world, demonstrations = self.build_world(), [*self.demonstrations.load().values()]
+        world = self.build_world()
+        demonstrations = [*with_images(self.demonstrations, self.images).values()]
         for item in items:
-            context = self.training_context(world.context(self.device), item)
+            context = self.training_context(world, item)
             checkpoints = self.config.fit(demonstrations, context)
             yield {"checkpoints": [str(path.relative_to(self.folder)) for path in checkpoints]}
 
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
         """Load a checkpoint; it makes no calls, so that the runner's settings mean nothing."""
-        return self.config.load(checkpoint, world.context(self.device))
+        return self.config.load(checkpoint, self.context(world))
 
 
 AnyPolicyTraining = Annotated[

@@ -11,6 +11,7 @@ from prime_core.contracts.demonstration import ParsedDemonstration, Segment
 from prime_core.contracts.parser import ParserConfig
 from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
 from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.images import DemonstrationImages, with_images
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.fields import read_settings
@@ -24,6 +25,7 @@ class Parsing(Stage):
 
     demonstrations: Demonstrations
     idm: IdmTraining
+    images: DemonstrationImages | None = None
     parser: ConfigDump
 
     @property
@@ -37,7 +39,11 @@ class Parsing(Stage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Parse demonstrations."""
-        config, idm, shown = self.config, self.idm.load(), self.demonstrations.load()
+        config, idm, shown = (
+            self.config,
+            self.idm.load(),
+            with_images(self.demonstrations, self.images),
+        )
         for item in items:
             if item not in shown:
                 yield {LEFT_OUT: True}
@@ -45,9 +51,13 @@ class Parsing(Stage):
             parsed = parse_demonstration(shown[item], idm, config)
             yield {"segments": [_plain(segment) for segment in parsed.segments]}
 
-    def load(self) -> dict[str, ParsedDemonstration]:
-        """Return all demonstrations that can be used with their segments, by their items."""
-        shown = self.demonstrations.load()
+    def load(self, images: DemonstrationImages | None = None) -> dict[str, ParsedDemonstration]:
+        """Return all demonstrations that can be used with their segments, by their items.
+
+        Args:
+            images: The demonstrations' images, if observations are to have any.
+        """
+        shown = with_images(self.demonstrations, images)
         results = self.compute([*shown])
         return {
             item: ParsedDemonstration(one, tuple(_segment(row) for row in result["segments"]))

@@ -9,6 +9,7 @@ from prime_core.contracts.policy import MotorPolicy, PolicyConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
+from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
 from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Stage
 
 
@@ -20,6 +21,10 @@ class PolicyTraining(Stage):
 
     policy: ConfigDump
     seeds: tuple[int, ...]
+    images: DemonstrationImages | None = None
+    """Of the demonstrations, where the policy sees images."""
+    rollout_images: CollectionImages | None = None
+    """Of the rollouts, where it is pretrained on images."""
     device: str = "auto"
     _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = DEVICE_IS_NO_IDENTITY
 
@@ -55,10 +60,14 @@ class PolicyTraining(Stage):
         (result,) = self.results([seed])
         return [self.folder / name for name in result["checkpoints"]]
 
-    def training_context(self, model: ModelContext, item: str) -> TrainingContext:
+    def context(self, world: World) -> ModelContext:
+        """Return where the policy is used."""
+        return world.context(self.device, None if self.images is None else self.images.config)
+
+    def training_context(self, world: World, item: str) -> TrainingContext:
         """Return where and how the policy of a seed is trained."""
         return TrainingContext(
-            **vars(model),
+            **vars(self.context(world)),
             folder=self.folder / f"seed-{item}",
             seed=int(item),
             progress=self.progress_writer(item),

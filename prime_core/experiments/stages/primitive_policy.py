@@ -40,11 +40,13 @@ class PrimitivePolicyTraining(PolicyTraining):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""
         config, world = self.config, self.build_world()
-        parsed = [*self.parsing.load().values()]
+        parsed = [*self.parsing.load(self.images).values()]
         idm = self.parsing.idm.load()
         rollouts = None
         if config.pretrain:
-            rollouts = rollout_calls(RolloutTable(self.parsing.idm.collection.episodes()))
+            images = None if self.rollout_images is None else self.rollout_images.episodes()
+            episodes = self.parsing.idm.collection.episodes()
+            rollouts = rollout_calls(RolloutTable(episodes, images=images))
         settings = AugmentationConfig.model_validate(self.augmentation)
         for item in items:
             generator = generator_of(Stream.POLICY, int(item))
@@ -55,11 +57,11 @@ class PrimitivePolicyTraining(PolicyTraining):
                     "there is nothing for a policy to learn from: look at the parsed "
                     "demonstrations, collect more rollouts, or add the primitive that is missing"
                 )
-            context = self.training_context(world.context(self.device), item)
+            context = self.training_context(world, item)
             checkpoints = config.fit(rollouts, data, context)
             yield {"checkpoints": [str(path.relative_to(self.folder)) for path in checkpoints]}
 
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> PrimitiveRunner:
         """Load a checkpoint with the runner that makes its calls; see `PolicyTraining`."""
-        policy = self.config.load(checkpoint, world.context(self.device))
+        policy = self.config.load(checkpoint, self.context(world))
         return PrimitiveRunner(policy, world.primitives, world.description, runner)

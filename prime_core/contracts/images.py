@@ -1,0 +1,73 @@
+"""Images of one camera at many instants, read when they are indexed."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prime_core.arrays import Indices
+
+
+class Images(Protocol):
+    """Images of one camera: an array, or files that are read where they are indexed."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """``(N, H, W, 3)``; uint8."""
+
+    def __getitem__(self, rows: Any, /) -> Any:
+        """Return the images of some rows."""
+
+
+class ChosenImages:
+    """Some images of several sources, in any order; nothing is read before it is indexed.
+
+    Args:
+        sources: Of images of one size.
+        places: Number of the source, and row there, of each image, ``(N, 2)``.
+    """
+
+    def __init__(self, sources: Sequence[Images], places: Indices) -> None:
+        self._sources, self._places = sources, places
+
+    @classmethod
+    def joined(cls, sources: Sequence[Images]) -> Self:
+        """Return all images of several sources, one after another.
+
+        Raises:
+            ValueError: If they are of several sizes.
+        """
+        sizes = {source.shape[1:] for source in sources}
+        if len(sizes) > 1:
+            raise ValueError(f"images of one camera must be of one size, not {sorted(sizes)}")
+        parts = [
+            np.column_stack((np.full(len_, number), np.arange(len_)))
+            for number, len_ in enumerate(source.shape[0] for source in sources)
+        ]
+        return cls(sources, np.concatenate(parts).astype(np.int64))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """``(N, H, W, 3)``."""
+        return (len(self._places), *self._sources[0].shape[1:])
+
+    def chosen(self, rows: slice | Indices) -> Self:
+        """Return some of the images, which are not read."""
+        return type(self)(self._sources, self._places[rows])
+
+    def __getitem__(self, rows: slice | Indices) -> Any:
+        """Return images ``(n, H, W, 3)`` that are read; those of a slice stay unread."""
+        if isinstance(rows, slice):
+            return self.chosen(rows)
+        places = self._places[rows]
+        images = np.empty((len(places), *self.shape[1:]), dtype=np.uint8)
+        for number in np.unique(places[:, 0]):
+            here = places[:, 0] == number
+            images[here] = self._sources[number][places[here, 1]]
+        return images
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Read all images."""
+        images: NDArray[Any] = self[np.arange(len(self._places))]
+        return images if dtype is None else images.astype(dtype)

@@ -1,0 +1,165 @@
+"""The stages that make the images that models learn from, out of what was recorded without any."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from prime_core.arrays import Indices
+from prime_core.collection.rollouts import EpisodeImages, learnt_frames
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.cameras import CameraConfig
+from prime_core.contracts.demonstration import Demonstration
+from prime_core.contracts.environment import Environment, EnvironmentConfig
+from prime_core.contracts.images import ChosenImages
+from prime_core.contracts.observations import Observations
+from prime_core.datasets.image_files import SUFFIX, ImageFile, write_images
+from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
+from prime_core.experiments.stages.stage import Result, Stage
+from prime_core.registry.fields import read_settings
+
+AT_ONCE = 64  # images in memory while they are made
+
+
+class ImageStage(Stage):
+    """Images of observations, a file for each item and camera."""
+
+    title: ClassVar[str] = "images"
+
+    cameras: ConfigDump
+
+    @property
+    def config(self) -> CameraConfig:
+        """Which cameras."""
+        return CameraConfig.model_validate(self.cameras)
+
+    def file(self, item: str, camera: str) -> Path:
+        """Return where an item's images of a camera are kept."""
+        return self.folder / f"{item}-{camera}{SUFFIX}"
+
+    def outputs(self, item: str) -> list[Path]:
+        """Return an item's files."""
+        return [self.file(item, camera) for camera in self.config.cameras]
+
+    def write(self, item: str, parts: Sequence[tuple[Environment, Observations]]) -> Result:
+        """Make images and write an item's files.
+
+        Args:
+            item: Whose.
+            parts: Observations, and an environment that shows what they are of; in order.
+
+        Returns:
+            How many images there are of a camera, and the bytes of all.
+        """
+        config, written = self.config, 0
+        count = sum(len(seen) for _, seen in parts)
+        for camera in config.cameras:
+            batches = (
+                environment.pictures(
+                    seen[start : start + AT_ONCE], [camera], config.size, config.size
+                )[camera]
+                for environment, seen in parts
+                for start in range(0, len(seen), AT_ONCE)
+            )
+            shape = (count, config.size, config.size, 3)
+            written += write_images(self.file(item, camera), batches, shape)
+        return {"images": count * len(config.cameras), "bytes": written}
+
+    def read(self, item: str) -> dict[str, ChosenImages]:
+        """Return an item's images by camera, unread."""
+        cameras = self.config.cameras
+        return {name: ChosenImages.joined([ImageFile(self.file(item, name))]) for name in cameras}
+
+
+class CollectionImages(ImageStage):
+    """Images of the frames of rollouts that are learnt from, by the collection's shards."""
+
+    unit: ClassVar[str] = "shards"
+
+    collection: Collection
+    around: int = 0
+
+    def items(self) -> list[str]:
+        """Return the shards' numbers."""
+        return self.collection.items()
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Make the images of shards."""
+        settings = self.collection.environments
+        shown = [read_settings(EnvironmentConfig, dump).build() for dump in settings]
+        for item in items:
+            numbers = self.collection.config.shard_episodes(int(item))
+            episodes = self.collection.episodes(numbers.start, numbers.stop)
+            parts, frames = [], []
+            for number, episode in zip(numbers, episodes, strict=True):
+                kept = learnt_frames(episode, self.around)
+                seen = Observations(episode.state[kept], episode.environment_state[kept])
+                parts.append((shown[number % len(shown)], seen))
+                frames.append(kept)
+            yield {
+                **self.write(item, parts),
+                "frames": np.concatenate(frames),
+                "counts": [len(kept) for kept in frames],
+            }
+
+    def episodes(self, start: int = 0, end: int | None = None) -> Iterator[EpisodeImages]:
+        """Return the images of episodes, unread; see `Collection.episodes`."""
+        config = self.collection.config
+        end = config.episodes if end is None else end
+        for item, result in zip(self.items(), self.results(), strict=True):
+            images, first = self.read(item), 0
+            frames: Indices = np.array(result["frames"])
+            numbers = config.shard_episodes(int(item))
+            for number, count in zip(numbers, result["counts"], strict=True):
+                rows = slice(first, first + count)
+                first += count
+                if start <= number < end:
+                    chosen = {name: each.chosen(rows) for name, each in images.items()}
+                    yield EpisodeImages(frames[rows], chosen)
+
+
+class DemonstrationImages(ImageStage):
+    """Images of all frames of demonstrations, one an item."""
+
+    unit: ClassVar[str] = "demonstrations"
+
+    demonstrations: Demonstrations
+
+    def items(self) -> list[str]:
+        """Return the demonstrations' numbers."""
+        return self.demonstrations.items()
+
+    def process(self, items: Sequence[str]) -> Iterator[Result]:
+        """Make the images of demonstrations."""
+        environment = read_settings(EnvironmentConfig, self.demonstrations.environment).build()
+        shown = self.demonstrations.load()
+        for item in items:
+            if item not in shown:
+                yield {LEFT_OUT: True}
+                continue
+            yield self.write(item, [(environment, shown[item].observations)])
+
+    def outputs(self, item: str) -> list[Path]:
+        """Return an item's files; a demonstration that was left out has none."""
+        return [path for path in super().outputs(item) if path.exists()]
+
+    def load(self) -> Mapping[str, Mapping[str, ChosenImages]]:
+        """Return the images of all demonstrations that can be used, by their items, unread."""
+        pairs = zip(self.items(), self.results(), strict=True)
+        return {item: self.read(item) for item, result in pairs if LEFT_OUT not in result}
+
+
+def with_images(
+    demonstrations: Demonstrations, images: DemonstrationImages | None
+) -> dict[str, Demonstration]:
+    """Return all demonstrations that can be used, by their items, with images if they are given."""
+    shown = demonstrations.load()
+    if images is None:
+        return shown
+    return {
+        item: replace(shown[item], observations=replace(shown[item].observations, images=each))
+        for item, each in images.load().items()
+    }
