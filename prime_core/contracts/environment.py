@@ -1,6 +1,7 @@
 """The contract of an environment."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 
 from prime_core.configuration import Config
 from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.observations import Observations
 from prime_core.contracts.scene import Scene
+from prime_core.errors import PrimeError
 
 CONTROL_FREQUENCY = 20
 """Motor actions a second [Hz]."""
@@ -81,9 +84,30 @@ class Environment(gymnasium.Env[Observation, Action]):
         Raises:
             PrimeError: If there is no such camera or no library to render with.
         """
-        from prime_core.errors import PrimeError
-
         raise PrimeError(f"environment {type(self).__name__} has no camera {name!r}")
+
+    def pictures(
+        self, seen: Observations, cameras: Sequence[str], height: int, width: int
+    ) -> dict[str, NDArray[np.uint8]]:
+        """Return pictures of stored instants, whatever the environment's own state is.
+
+        They show joints, opening and object poses as observations hold them, so that
+        collecting needs no pictures. The environment's state is left alone.
+
+        Args:
+            seen: ``N`` instants of this environment.
+            cameras: Their names.
+            height: [pixels].
+            width: [pixels].
+
+        Returns:
+            By camera, ``(N, height, width, 3)``, first row at the top.
+
+        Raises:
+            PrimeError: If object poses are not known, there is no such camera, or nothing to
+                render with.
+        """
+        raise PrimeError(f"environment {type(self).__name__} makes no pictures of stored instants")
 
 
 class EnvironmentConfig(Config):

@@ -1,5 +1,6 @@
 """The environment that all robosuite tasks share."""
 
+from collections.abc import Sequence
 from typing import Any, cast
 
 import gymnasium
@@ -14,12 +15,17 @@ from prime_core.contracts.environment import (
     Environment,
     Observation,
 )
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
+from prime_core.contracts.observations import (
+    ENVIRONMENT_STATE_KEY,
+    IMAGE_PREFIX,
+    STATE_KEY,
+    Observations,
+)
 from prime_core.contracts.scene import ObjectPoses, Scene
 from prime_core.errors import PrimeError
 from prime_envs_robosuite.simulation.controller_commands import controller_command
 from prime_envs_robosuite.simulation.panda_simulation import Simulation
-from prime_envs_robosuite.simulation.rendering import Cameras
+from prime_envs_robosuite.simulation.rendering import Cameras, Meshes
 from prime_envs_robosuite.simulation.robot_description import describe_robot
 from prime_envs_robosuite.simulation.stepping import Stepping
 from prime_envs_robosuite.tasks.task import Task
@@ -39,6 +45,7 @@ class RobosuiteEnvironment(Environment):
         cameras: Cameras whose images are part of the observations.
         image_size: Height and width of those images [pixels].
         horizon: Steps after which an episode is truncated; None for never.
+        meshes: What pictures are made of; see `simulation.rendering`.
 
     Raises:
         PrimeError: If a camera does not exist.
@@ -54,13 +61,14 @@ class RobosuiteEnvironment(Environment):
         cameras: tuple[str, ...] = (),
         image_size: int = 84,
         horizon: int | None = None,
+        meshes: Meshes = "light",
     ) -> None:
         self.task = task
         self.horizon = horizon
         self.render_mode = "rgb_array"
         host = task.make_host()
         self._simulation = Simulation(host, task.body_names, task.placements(host), stepping)
-        self._cameras = Cameras(host)
+        self._cameras = Cameras(host, meshes)
         for name in cameras:
             self._cameras.check(name)
         self._images = {IMAGE_PREFIX + name: name for name in cameras}
@@ -180,7 +188,14 @@ class RobosuiteEnvironment(Environment):
 
     def render_camera(self, name: str, height: int, width: int) -> NDArray[np.uint8]:
         """Return a picture, ``(height, width, 3)``; see `Environment`."""
-        return self._cameras.picture(name, self._simulation.data.qpos, height, width)
+        return self._live((name,), height, width)[name]
+
+    def pictures(
+        self, seen: Observations, cameras: Sequence[str], height: int, width: int
+    ) -> dict[str, NDArray[np.uint8]]:
+        """Return pictures of stored instants, ``(N, height, width, 3)``; see `Environment`."""
+        positions = self._simulation.positions_at(seen)
+        return self._cameras.pictures(cameras, positions, height, width)
 
     def close(self) -> None:
         """Free what renders."""
@@ -215,9 +230,17 @@ class RobosuiteEnvironment(Environment):
 
     def _observation(self) -> Observation:
         observation: Observation = dict(self.scene().observation())
-        for key, name in self._images.items():
-            observation[key] = self.render_camera(name, self._image_size, self._image_size)
+        if self._images:
+            names = tuple(self._images.values())
+            images = self._live(names, self._image_size, self._image_size)
+            observation.update({key: images[name] for key, name in self._images.items()})
         return observation
+
+    def _live(self, names: Sequence[str], height: int, width: int) -> dict[str, NDArray[np.uint8]]:
+        """Return what cameras see now, each ``(height, width, 3)``."""
+        now = self._simulation.data.qpos[None]
+        found = self._cameras.pictures(names, now, height, width)
+        return {name: images[0] for name, images in found.items()}
 
     def _describe(self) -> SceneDescription:
         task = self.task

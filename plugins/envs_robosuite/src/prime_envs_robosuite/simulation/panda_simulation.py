@@ -8,6 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.contracts.observations import (
+    ENVIRONMENT_STATE_KEY,
+    GRIPPER_WIDTH,
+    OBJECT_WIDTH,
+    STATE_KEY,
+    Observations,
+)
 from prime_core.errors import PrimeError
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
 from prime_envs_robosuite.simulation.panda import Panda
@@ -201,6 +208,37 @@ class Simulation:
     def object_poses(self) -> tuple[Array, Array]:
         """Return the objects' positions [m] ``(k, 3)`` and quaternions ``(k, 4)``."""
         return self.data.xpos[self._bodies].copy(), self.data.xquat[self._bodies].copy()
+
+    def positions_at(self, seen: Observations) -> Array:
+        """Return the joints at stored instants: ``qpos`` in the model's order, ``(N, nq)``.
+
+        Both fingers are taken to be half the opening from the middle. The simulation's own
+        state is left alone.
+
+        Raises:
+            PrimeError: If object poses are not known, or the robot or the objects are others.
+        """
+        if seen.environment_state is None:
+            raise PrimeError(
+                f"object poses are not known in these observations ({ENVIRONMENT_STATE_KEY} is "
+                "missing): a picture of a stored instant needs them"
+            )
+        joints, objects = self.panda.joint_addresses, self._object_addresses
+        widths = (GRIPPER_WIDTH + len(joints), OBJECT_WIDTH * len(objects))
+        given = (seen.state.shape[1], seen.environment_state.shape[1])
+        if given != widths:
+            raise PrimeError(
+                f"these observations are of another robot or of other objects: {STATE_KEY} and "
+                f"{ENVIRONMENT_STATE_KEY} have {given[0]} and {given[1]} numbers, here they have "
+                f"{widths[0]} and {widths[1]}"
+            )
+        positions = np.zeros((len(seen), self.model.nq))
+        positions[:, joints] = seen.joint_positions
+        positions[:, self.panda.finger_addresses] = seen.gripper_opening[:, None] * [0.5, -0.5]
+        for index, address in enumerate(objects):
+            positions[:, address : address + 3] = seen.object_positions[:, index]
+            positions[:, address + 3 : address + 7] = seen.object_quaternions[:, index]
+        return positions
 
     def motions(self) -> list[ObjectMotion]:
         """Return how each object moves."""
