@@ -35,6 +35,7 @@ ORDER = (
     ("registry",),
     ("experiments.run_folder",),
     ("experiments.stages",),
+    ("experiments.stages.outputs",),
     ("experiments",),
     ("experiments.results",),
     ("cli",),

@@ -5,11 +5,24 @@ from dataclasses import dataclass
 from itertools import repeat
 
 import numpy as np
+from pydantic import Field
 
 from prime_core.arrays import Floats, Indices
 from prime_core.collection.recording import CollectedEpisode
+from prime_core.configuration import Config
 from prime_core.contracts.images import ChosenImages
 from prime_core.contracts.observations import Observations
+
+
+class FrameConfig(Config):
+    """Which frames of episodes are learnt from, besides those where rollouts begin and end."""
+
+    around: int = Field(0, ge=0, le=10_000)
+    """Frames on either side of the ends of rollouts."""
+    within: int = Field(0, ge=0, le=1000)
+    """Frames inside of each rollout, evenly apart."""
+    others: bool = True
+    """Whether those too where pairs of `other` and late ends are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +67,14 @@ class RolloutTable:
 
     Args:
         episodes: Each is looked at once.
-        around: Frames that are kept on either side of the ends of rollouts.
-        images: Of each episode, at least those of `learnt_frames`; None for none.
+        frames: Which frames are kept.
+        images: Of each episode, at least those of the frames that are kept; None for none.
     """
 
     def __init__(
         self,
         episodes: Iterable[CollectedEpisode],
-        around: int = 0,
+        frames: FrameConfig = FrameConfig(),  # noqa: B008
         images: Iterable[EpisodeImages] | None = None,
     ) -> None:
         first, starts = 0, []
@@ -72,7 +85,7 @@ class RolloutTable:
         others: list[Indices] = []
         late_ends: list[Indices] = []
         for item, pictured in zip(episodes, repeat(None) if images is None else images):  # noqa: B905
-            kept = learnt_frames(item, around)
+            kept = learnt_frames(item, frames)
             starts.append(first)
             numbers.append(kept + first)
             shown = {} if pictured is None else pictured.at(kept)
@@ -97,7 +110,7 @@ class RolloutTable:
             ValueError: If one was not kept.
         """
         if not np.isin(numbers, self._numbers).all():
-            raise ValueError("a frame was not kept: give RolloutTable a greater 'around'")
+            raise ValueError("a frame was not kept: RolloutTable was told to keep others")
         found: Indices = np.searchsorted(self._numbers, numbers)
         return found
 
@@ -107,14 +120,15 @@ class RolloutTable:
         return found
 
 
-def learnt_frames(episode: CollectedEpisode, around: int) -> Indices:
-    """Return the frames of an episode that pairs begin or end at, in order, ``(k,)``.
-
-    Args:
-        episode: The episode.
-        around: Frames on either side of the ends of rollouts.
-    """
-    ends = episode.rollouts[:, :2].reshape(-1, 1) + np.arange(-around, around + 1)
-    used = np.concatenate((ends.ravel(), episode.others.ravel(), episode.late_ends))
-    kept: Indices = np.unique(np.clip(used, 0, len(episode.state) - 1))
+def learnt_frames(episode: CollectedEpisode, config: FrameConfig) -> Indices:
+    """Return the frames of an episode that are learnt from, in order, ``(k,)``."""
+    ends = episode.rollouts[:, :2].reshape(-1, 1)
+    used: list[Indices] = [(ends + np.arange(-config.around, config.around + 1)).ravel()]
+    if config.within:
+        shares = np.arange(1, config.within + 1) / (config.within + 1)
+        starts, lengths = episode.rollouts[:, :1], np.diff(episode.rollouts[:, :2], axis=1)
+        used.append((starts + np.rint(shares * lengths).astype(np.int64)).ravel())
+    if config.others:
+        used += [episode.others.ravel(), episode.late_ends]
+    kept: Indices = np.unique(np.clip(np.concatenate(used), 0, len(episode.state) - 1))
     return kept

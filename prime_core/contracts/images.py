@@ -1,12 +1,32 @@
-"""Images of one camera at many instants, read when they are indexed."""
+"""Images of cameras: which cameras, and images of many instants, read when they are indexed."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol, Self
+from typing import Annotated, Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, field_validator
 
 from prime_core.arrays import Indices
+from prime_core.configuration import Config
+
+Pixels = Annotated[int, Field(ge=8, le=2048)]
+
+
+class CameraConfig(Config):
+    """Cameras, and how large their images are."""
+
+    cameras: tuple[str, ...] = Field(("agentview", "wrist"), min_length=1, max_length=16)
+    """Their names in the environment."""
+    size: Pixels = 84
+    """Height and width [pixels]; 84 as in the paper."""
+
+    @field_validator("cameras")
+    @classmethod
+    def _cameras_differ(cls, cameras: tuple[str, ...]) -> tuple[str, ...]:
+        if len(set(cameras)) != len(cameras):
+            raise ValueError(f"found {list(cameras)}: each camera may be named once only")
+        return cameras
 
 
 class Images(Protocol):

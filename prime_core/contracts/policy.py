@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.contracts.calls import PrimitiveCall
-from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Action
+from prime_core.contracts.images import CameraConfig
 from prime_core.contracts.observations import Modality, Observations
 from prime_core.contracts.training import (
     CallData,

@@ -7,8 +7,8 @@ from pathlib import Path
 from prime_core.arrays import Flags, Floats, Indices
 from prime_core.configuration import Config
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.description import SceneDescription
+from prime_core.contracts.images import CameraConfig
 from prime_core.contracts.observations import Modality, Observations
 
 Progress = Callable[[int, int], None]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.environment import Environment
+from prime_core.contracts.images import CameraConfig
 from prime_core.contracts.observations import Observations
 
 

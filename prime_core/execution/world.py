@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from prime_core.contracts.calls import PrimitiveSpace
-from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import Environment
+from prime_core.contracts.images import CameraConfig
 from prime_core.contracts.primitive import Primitive
 from prime_core.contracts.training import ModelContext
 from prime_core.errors import ConfigurationError

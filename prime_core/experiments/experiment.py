@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from prime_core.collection.rollouts import FrameConfig
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig, PrimitivePolicyConfig
@@ -20,15 +21,15 @@ from prime_core.experiments.settings import ExperimentConfig
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
-from prime_core.experiments.stages.export import Export
 from prime_core.experiments.stages.idm import IdmTraining
 from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
 from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
+from prime_core.experiments.stages.outputs.export import Export
+from prime_core.experiments.stages.outputs.video import Video
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.replay import Replaying
 from prime_core.experiments.stages.stage import Stage
-from prime_core.experiments.stages.video import Video
 from prime_core.registry.fields import dump_choice
 
 
@@ -64,16 +65,7 @@ class Experiment:
             settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
         )
-        cameras = config.images.model_dump(mode="json")
-        self.rollout_images = self._stage(
-            CollectionImages,
-            collection=self.collection,
-            cameras=cameras,
-            around=config.pairs.around if _sees_images(config.idm) else 0,
-        )
-        self.demonstration_images = self._stage(
-            DemonstrationImages, demonstrations=self.demonstrations, cameras=cameras
-        )
+        self.rollout_images, self.demonstration_images = self._imaging()
         sees_images = _sees_images(config.idm)
         self.idm = self._stage(
             IdmTraining,
@@ -112,6 +104,26 @@ class Experiment:
             name: Experiment(variant, folder, remake=remake)
             for name, variant in config.resolved_variants.items()
         }
+
+    def _imaging(self) -> tuple[CollectionImages, DemonstrationImages]:
+        """Return the stages that make images, which run where a model sees any."""
+        config = self.config
+        cameras = config.images.model_dump(mode="json", exclude={"frames_within"})
+        frames = FrameConfig(
+            around=config.pairs.around if _sees_images(config.idm) else 0,
+            within=config.images.frames_within,
+            others=_sees_images(config.idm),
+        )
+        rollouts = self._stage(
+            CollectionImages,
+            collection=self.collection,
+            cameras=cameras,
+            frames=frames.model_dump(mode="json"),
+        )
+        shown = self._stage(
+            DemonstrationImages, demonstrations=self.demonstrations, cameras=cameras
+        )
+        return rollouts, shown
 
     def _training(self, policy: PolicyConfig) -> PrimitivePolicyTraining | MotorPolicyTraining:
         """Return the stage that trains a policy of either kind."""

@@ -8,7 +8,7 @@ from pydantic import Field, TypeAdapter, field_validator, model_validator
 
 from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import Config, Seed
-from prime_core.contracts.cameras import CameraConfig
+from prime_core.contracts.images import CameraConfig
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.compute import ComputeConfig
 from prime_core.experiments.variants import Changes, with_changes
@@ -32,6 +32,14 @@ class CollectionPlaces(CollectionConfig):
     is. Their objects, robots and workspaces must be those of the task's environment."""
 
 
+class ImageConfig(CameraConfig):
+    """What models that see images see through, and which frames have images."""
+
+    frames_within: int = Field(8, ge=0, le=1000)
+    """Of each rollout, evenly apart, besides those at its ends: images tell more apart than poses
+    do, and the first frames of rollouts alone are too few to learn them from."""
+
+
 class ExperimentConfig(Config):
     """An experiment: what a YAML file holds."""
 
@@ -49,7 +57,7 @@ class ExperimentConfig(Config):
     """Whether a demonstration that cannot be used is an error; else it is left out and listed."""
     collection: CollectionPlaces = CollectionPlaces()
     """How random rollouts are collected."""
-    images: CameraConfig = CameraConfig()
+    images: ImageConfig = ImageConfig()
     """What models that see images see through."""
     pairs: PairConfig = PairConfig()
     """What the IDM is trained on."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from prime_core.collection.rollouts import RolloutTable
+from prime_core.collection.rollouts import FrameConfig, RolloutTable
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.training import ModelContext, TrainingContext
@@ -57,7 +57,7 @@ class IdmTraining(Stage):
             generator = generator_of(Stream.IDM, self.seed)
             count = self.collection.config.episodes
             cut = max(1, count - round(count * HELD_OUT_SHARE))
-            table = self._table(pairs.around, end=cut)
+            table = self._table(FrameConfig(around=pairs.around), end=cut)
             data = training_pairs(table, space, pairs, generator)
             context = TrainingContext(
                 **vars(self._context(world)),
@@ -67,7 +67,7 @@ class IdmTraining(Stage):
             )
             model = self.config.fit(data, context)
             exact = pairs.model_copy(update={"jittered_copies": 0, "late_ends": False})
-            left_out = self._table(start=cut) if cut < count else table
+            left_out = self._table(FrameConfig(), start=cut) if cut < count else table
             held_out = training_pairs(left_out, space, exact, generator)
             yield report_on(model, held_out)
 
@@ -75,10 +75,12 @@ class IdmTraining(Stage):
         images = self.rollout_images
         return world.context(self.device, None if images is None else images.config)
 
-    def _table(self, around: int = 0, start: int = 0, end: int | None = None) -> RolloutTable:
-        """Return the rollouts of some episodes, with images if the model sees any."""
-        images = None if self.rollout_images is None else self.rollout_images.episodes(start, end)
-        return RolloutTable(self.collection.episodes(start, end), around, images)
+    def _table(self, frames: FrameConfig, start: int = 0, end: int | None = None) -> RolloutTable:
+        """Return the rollouts of some episodes; with images those frames that have some."""
+        episodes, pictured = self.collection.episodes(start, end), self.rollout_images
+        if pictured is None:
+            return RolloutTable(episodes, frames)
+        return RolloutTable(episodes, pictured.chosen, pictured.episodes(start, end))
 
     def load(self) -> InverseDynamicsModel:
         """Return the trained model."""

@@ -1,4 +1,4 @@
-"""The stages that make the images that models learn from, out of what was recorded without any."""
+"""The stages that make images that models learn from, out of what was recorded without any."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -8,12 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from prime_core.arrays import Indices
-from prime_core.collection.rollouts import EpisodeImages, learnt_frames
+from prime_core.collection.rollouts import EpisodeImages, FrameConfig, learnt_frames
 from prime_core.configuration import ConfigDump
-from prime_core.contracts.cameras import CameraConfig
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Environment, EnvironmentConfig
-from prime_core.contracts.images import ChosenImages
+from prime_core.contracts.images import CameraConfig, ChosenImages
 from prime_core.contracts.observations import Observations
 from prime_core.datasets.image_files import SUFFIX, ImageFile, write_images
 from prime_core.experiments.stages.collection import Collection
@@ -80,7 +79,12 @@ class CollectionImages(ImageStage):
     unit: ClassVar[str] = "shards"
 
     collection: Collection
-    around: int = 0
+    frames: ConfigDump
+
+    @property
+    def chosen(self) -> FrameConfig:
+        """Which frames."""
+        return FrameConfig.model_validate(self.frames)
 
     def items(self) -> list[str]:
         """Return the shards' numbers."""
@@ -88,14 +92,14 @@ class CollectionImages(ImageStage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Make the images of shards."""
-        settings = self.collection.environments
+        settings, chosen = self.collection.environments, self.chosen
         shown = [read_settings(EnvironmentConfig, dump).build() for dump in settings]
         for item in items:
             numbers = self.collection.config.shard_episodes(int(item))
             episodes = self.collection.episodes(numbers.start, numbers.stop)
             parts, frames = [], []
             for number, episode in zip(numbers, episodes, strict=True):
-                kept = learnt_frames(episode, self.around)
+                kept = learnt_frames(episode, chosen)
                 seen = Observations(episode.state[kept], episode.environment_state[kept])
                 parts.append((shown[number % len(shown)], seen))
                 frames.append(kept)

@@ -44,9 +44,12 @@ class PrimitivePolicyTraining(PolicyTraining):
         idm = self.parsing.idm.load()
         rollouts = None
         if config.pretrain:
-            images = None if self.rollout_images is None else self.rollout_images.episodes()
-            episodes = self.parsing.idm.collection.episodes()
-            rollouts = rollout_calls(RolloutTable(episodes, images=images))
+            episodes, pictured = self.parsing.idm.collection.episodes(), self.rollout_images
+            if pictured is None:
+                table = RolloutTable(episodes)
+            else:
+                table = RolloutTable(episodes, pictured.chosen, pictured.episodes())
+            rollouts = rollout_calls(table)
         settings = AugmentationConfig.model_validate(self.augmentation)
         for item in items:
             generator = generator_of(Stream.POLICY, int(item))

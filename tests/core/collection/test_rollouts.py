@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from prime_core.collection.rollouts import RolloutTable
+from prime_core.collection.rollouts import FrameConfig, RolloutTable
 
 from ..episodes import episode
 
@@ -22,7 +22,7 @@ def test_only_frames_that_are_learnt_from_are_kept() -> None:
     counted.state[:, 0] = np.arange(60)
     table = RolloutTable([counted])
     assert table.observations.state[:, 0].tolist() == [0, 1, 9, 20, 30, 55]
-    around = RolloutTable([counted], around=3)
+    around = RolloutTable([counted], FrameConfig(around=3))
     kept = [*range(4), 9, *range(17, 24), *range(27, 34), *range(52, 59)]
     assert around.observations.state[:, 0].tolist() == [1.0 * number for number in kept]
     assert around.observations.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]

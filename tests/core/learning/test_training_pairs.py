@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prime_core.collection.recording import CollectedEpisode
-from prime_core.collection.rollouts import RolloutTable
+from prime_core.collection.rollouts import FrameConfig, RolloutTable
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
 from prime_core.learning.training_pairs import (
     PairConfig,
@@ -63,7 +63,7 @@ def test_jitter_moves_ends_a_little_and_never_into_another_episode() -> None:
     for number, item in enumerate(episodes):  # each frame tells its episode and its place
         item.state[:, 0], item.state[:, 1] = number, np.arange(60)
     config = PairConfig(jittered_copies=4, jitter_steps=10)
-    table = RolloutTable(episodes, config.around)
+    table = RolloutTable(episodes, FrameConfig(around=config.around))
     data = training_pairs(table, SPACE, config, np.random.default_rng(0))
     exact = len(table.rollouts)
     assert len(data.parameters) == 5 * exact
