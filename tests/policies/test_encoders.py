@@ -22,8 +22,8 @@ SQUARE = 9  # of a square in them
 @pytest.mark.parametrize("config", ENCODERS)
 def test_encoders_keep_the_contract(config: type[KeypointEncoderConfig]) -> None:
     check_settings(config)
-    check_encoder(config())
-    check_encoder(config(keypoints=3, features=5), height=40, width=61)
+    with threads():
+        check_encoder(config(features=50), height=40, width=61)
 
 
 def test_they_are_registered() -> None:
@@ -78,7 +78,7 @@ def test_a_small_cnn_learns_where_a_coloured_square_is() -> None:
         encoder = SmallCnnConfig().build(SIDE, SIDE)
         network = nn.Sequential(encoder, nn.Linear(encoder.width, 2))
         optimiser = torch.optim.AdamW(network.parameters(), lr=2e-3)
-        for _ in range(STEPS):
+        for _ in range(120):
             chosen = torch.randint(512, (16,), generator=generator)
             with precision(device):
                 found = network(crop(pictures[chosen], SIDE, SIDE, None))
@@ -90,12 +90,8 @@ def test_a_small_cnn_learns_where_a_coloured_square_is() -> None:
             found = network.eval()(crop(pictures[512:], SIDE, SIDE, None)) * SIDE + middle
     errors = (found - places[512:]).norm(dim=-1)
     by_mean = (middle - places[512:]).norm(dim=-1)
-    print(errors.median(), by_mean.median())
     assert by_mean.median() > 25
-    assert errors.median() < 4
-
-
-STEPS = 200
+    assert errors.median() < 3
 
 
 def numbered(count: int, height: int, width: int) -> Tensor:
