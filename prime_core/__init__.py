@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from prime_core.contracts.description import ObjectDescription as ObjectDescription
     from prime_core.contracts.description import RobotDescription as RobotDescription
     from prime_core.contracts.description import SceneDescription as SceneDescription
+    from prime_core.contracts.encoder import EncoderConfig as EncoderConfig
     from prime_core.contracts.environment import Environment as Environment
     from prime_core.contracts.environment import EnvironmentConfig as EnvironmentConfig
     from prime_core.contracts.idm import IdmConfig as IdmConfig
@@ -53,6 +54,7 @@ _MODULES = {
     "Demonstration": "contracts.demonstration",
     "DemonstrationError": "errors",
     "DemonstratorConfig": "contracts.demonstration",
+    "EncoderConfig": "contracts.encoder",
     "Environment": "contracts.environment",
     "EnvironmentConfig": "contracts.environment",
     "IdmConfig": "contracts.idm",
@@ -91,6 +93,7 @@ __all__ = [
     "Demonstration",
     "DemonstrationError",
     "DemonstratorConfig",
+    "EncoderConfig",
     "Environment",
     "EnvironmentConfig",
     "IdmConfig",

@@ -51,5 +51,10 @@ def register_policies(register: Register) -> None:
 
 
 @hookspec
+def register_encoders(register: Register) -> None:
+    """Register encoders of images: subclasses of `EncoderConfig`."""
+
+
+@hookspec
 def register_commands(register: Callable[[str, Callable[..., Any]], None]) -> None:
     """Register commands: functions that typer makes subcommands of ``prime``."""

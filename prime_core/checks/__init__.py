@@ -6,6 +6,7 @@ Each check raises a `CheckError` that says what is wrong and what would be right
         check_primitive(LiftConfig().build(environment.description), environment)
 """
 
+from prime_core.checks.encoder import check_encoder
 from prime_core.checks.environment import check_environment
 from prime_core.checks.idm import check_idm
 from prime_core.checks.parser import check_parser
@@ -18,6 +19,7 @@ from prime_core.checks.settings import check_settings
 __all__ = [
     "CheckError",
     "check_description",
+    "check_encoder",
     "check_environment",
     "check_idm",
     "check_parser",

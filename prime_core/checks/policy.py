@@ -8,8 +8,12 @@ from typing import Any, get_args
 
 import numpy as np
 
-from prime_core.checks.motor_policy import check_actions, fit_motor_policy
-from prime_core.checks.primitive_policy import check_calls, fit_primitive_policy
+from prime_core.checks.policy_kinds import (
+    check_actions,
+    check_calls,
+    fit_motor_policy,
+    fit_primitive_policy,
+)
 from prime_core.checks.requirement import CheckError, require
 from prime_core.checks.samples import CONTEXT, Answer
 from prime_core.contracts.observations import Modality

@@ -6,6 +6,7 @@ from pydantic import BeforeValidator, SerializeAsAny, WrapSerializer
 
 from prime_core.configuration import Config, ConfigDump
 from prime_core.contracts.demonstration import DemonstratorConfig
+from prime_core.contracts.encoder import EncoderConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.parser import ParserConfig
@@ -95,3 +96,6 @@ ParserChoice = Annotated[SerializeAsAny[ParserConfig], *_choice("parser")]
 
 
 PolicyChoice = Annotated[SerializeAsAny[PolicyConfig], *_choice("policy")]
+
+
+EncoderChoice = Annotated[SerializeAsAny[EncoderConfig], *_choice("encoder")]

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from prime_core.configuration import Config
 from prime_core.contracts.demonstration import DemonstratorConfig
+from prime_core.contracts.encoder import EncoderConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.parser import ParserConfig
@@ -26,4 +27,5 @@ KINDS = {
     "idm": Kind(IdmConfig, "register_idms"),
     "parser": Kind(ParserConfig, "register_parsers"),
     "policy": Kind(PolicyConfig, "register_policies"),
+    "encoder": Kind(EncoderConfig, "register_encoders"),
 }

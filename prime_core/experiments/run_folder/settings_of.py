@@ -46,8 +46,17 @@ def makers(stage: BaseModel) -> Iterator[type]:
     """Yield the classes of a stage, of those it depends on, and of all their settings."""
     fields = {name: getattr(stage, name) for name in type(stage).model_fields}
     yield type(stage)
-    yield from map(type, settings_in(fields))
+    for settings in settings_in(fields):
+        yield from _classes(settings)
     for value in fields.values():
         # exca's settings say where a stage runs, not what it is.
         if isinstance(value, BaseModel) and not isinstance(value, exca.MapInfra):
             yield from makers(value)
+
+
+def _classes(settings: Config) -> Iterator[type]:
+    """Yield the classes of settings and of those inside them, such as another pack's encoder."""
+    yield type(settings)
+    for _, value in settings:
+        if isinstance(value, Config):
+            yield from _classes(value)

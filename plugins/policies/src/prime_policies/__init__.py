@@ -1,6 +1,7 @@
 """Networks that recognise primitives in demonstrations, and that choose the next one.
 
-`networks` has what they compute, `training` how they learn; each model has a folder of its own.
+`networks` has what they compute, `encoders` what they see pictures with, `training` how they learn;
+each model has a folder of its own.
 Importing this package loads no torch: settings import their networks when they train or load.
 """
 
@@ -21,3 +22,12 @@ def register_policies(register: Register) -> None:
     from prime_policies.primitive_policy.config import PrimePolicyConfig
 
     register("prime", PrimePolicyConfig)
+
+
+@hookimpl
+def register_encoders(register: Register) -> None:
+    """Register the encoders ``resnet18`` and ``small-cnn``."""
+    from prime_policies.encoders.config import Resnet18Config, SmallCnnConfig
+
+    register("resnet18", Resnet18Config)
+    register("small-cnn", SmallCnnConfig)
