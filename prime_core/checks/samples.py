@@ -1,10 +1,14 @@
 """Made-up scenes, pairs and labels: enough to train a small model for a check."""
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from prime_core.arrays import Floats, Indices
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
 from prime_core.contracts.description import Affordance, ObjectDescription, SceneDescription
+from prime_core.contracts.images import CameraConfig
 from prime_core.contracts.observations import Observations
 from prime_core.contracts.training import CallData, Labels, ModelContext
 from prime_core.rotations import gripper_down
@@ -46,12 +50,18 @@ SPACE = PrimitiveSpace(
 )
 """Two primitives with different numbers of parameters."""
 
-CONTEXT = ModelContext(description=DESCRIPTION, space=SPACE)
+CAMERAS = CameraConfig(cameras=("above",), size=84)
+"""One camera, which looks down on the whole workspace."""
+
+CONTEXT = ModelContext(description=DESCRIPTION, space=SPACE, cameras=CAMERAS)
 """Where checked models are used."""
+
+MARK = 8
+"""Side of the square that an object is in an image [pixels]."""
 
 
 def sample_observations(generator: np.random.Generator, count: int = FRAMES) -> Observations:
-    """Return observations of `DESCRIPTION` with everything anywhere in the workspace."""
+    """Return observations of `DESCRIPTION`, with images, everything anywhere in the workspace."""
     low, high = np.array(DESCRIPTION.workspace_low), np.array(DESCRIPTION.workspace_high)
     positions = generator.uniform(low, high, (count, 3))
     gripper = gripper_down(generator.uniform(-np.pi / 2, np.pi / 2, count))
@@ -64,7 +74,20 @@ def sample_observations(generator: np.random.Generator, count: int = FRAMES) -> 
         held = (generator.random((count, 1)) < 0.3) & (number == 0)
         objects += [generator.uniform(low, high, (count, 3)), upright, held]
     state = np.hstack((positions, gripper, opening, joints))
-    return Observations(state.astype(np.float32), np.hstack(objects).astype(np.float32))
+    seen = Observations(state.astype(np.float32), np.hstack(objects).astype(np.float32))
+    return replace(seen, images={CAMERAS.cameras[0]: _images(seen)})
+
+
+def _images(seen: Observations) -> NDArray[np.uint8]:
+    """Return images in which each object is a square of one colour, where it is in the plane."""
+    size, low = CAMERAS.size, np.array(DESCRIPTION.workspace_low[:2])
+    high = np.array(DESCRIPTION.workspace_high[:2])
+    images = np.zeros((len(seen), size, size, 3), dtype=np.uint8)
+    corners = (seen.object_positions[..., :2] - low) / (high - low) * (size - MARK)
+    for image, places in zip(images, np.rint(corners).astype(np.int64), strict=True):
+        for colour, (x, y) in enumerate(places):
+            image[y : y + MARK, x : x + MARK, colour] = 255
+    return images
 
 
 def sample_parameters(generator: np.random.Generator, labels: Indices) -> Floats:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from prime_core.collection.rollouts import FrameConfig, RolloutTable
+from prime_core.collection.rollouts import EpisodeImages, FrameConfig, RolloutTable, learnt_frames
+from prime_core.contracts.images import ChosenImages
 
 from ..episodes import episode
 
@@ -28,3 +29,24 @@ def test_only_frames_that_are_learnt_from_are_kept() -> None:
     assert around.observations.state[around.rows(np.array([9, 52])), 0].tolist() == [9, 52]
     with pytest.raises(ValueError, match="a frame was not kept"):
         table.rows(np.array([20, 21]))
+
+
+def test_frames_within_rollouts_are_evenly_apart_and_others_may_be_left_out() -> None:
+    found = learnt_frames(episode(0), FrameConfig(within=4, others=False))
+    assert found.tolist() == [0, 4, 8, 12, 16, 20, 30, 35, 40, 45, 50, 55]
+    assert learnt_frames(episode(0), FrameConfig()).tolist() == [0, 1, 9, 20, 30, 55]
+
+
+def test_a_table_has_the_images_of_the_frames_that_it_keeps() -> None:
+    config = FrameConfig(within=1, others=False)
+    images = []
+    for number in range(2):
+        frames = np.arange(60)
+        pictures = np.tile((100 * number + frames).astype(np.uint8)[:, None, None, None], (2, 2, 3))
+        images.append(EpisodeImages(frames, {"front": ChosenImages.joined([pictures])}))
+    table = RolloutTable([episode(0), episode(1)], config, images)
+    shown = np.asarray(table.observations.images["front"])[:, 0, 0, 0]
+    assert shown.tolist() == [0, 10, 20, 30, 42, 55, 100, 110, 120, 130, 142, 155]
+    short = EpisodeImages(np.array([0, 20]), images[0].images)
+    with pytest.raises(ValueError, match="a frame has no image"):
+        RolloutTable([episode(0)], config, [short])

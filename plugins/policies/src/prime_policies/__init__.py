@@ -10,18 +10,22 @@ from prime_core.hookspecs import Register, hookimpl
 
 @hookimpl
 def register_idms(register: Register) -> None:
-    """Register the inverse dynamics model ``mlp-gmm``."""
+    """Register the inverse dynamics models ``mlp-gmm`` and ``mlp-gmm-images``."""
     from prime_policies.idm.config import MlpGmmIdmConfig
+    from prime_policies.perception.config import ImageIdmConfig
 
     register("mlp-gmm", MlpGmmIdmConfig)
+    register("mlp-gmm-images", ImageIdmConfig)
 
 
 @hookimpl
 def register_policies(register: Register) -> None:
-    """Register the policy ``prime``."""
+    """Register the policies ``prime`` and ``prime-images``."""
+    from prime_policies.perception.config import ImagePolicyConfig
     from prime_policies.primitive_policy.config import PrimePolicyConfig
 
     register("prime", PrimePolicyConfig)
+    register("prime-images", ImagePolicyConfig)
 
 
 @hookimpl

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from prime_core.contracts.training import TrainingContext
 from prime_core.errors import PrimeError, WeightsError
-from prime_policies.networks.network import Batch, Network
+from prime_policies.networks.network import Network
 from prime_policies.training.devices import torch_device
 from prime_policies.training.examples import Examples
 from prime_policies.training.repeatable import seeded, threads
@@ -129,8 +129,8 @@ class _Run:
         for step, chosen in enumerate(draws, start=number * steps):
             for group in self._optimiser.param_groups:
                 group["lr"] = group["first_lr"] * falling(step, self._epochs * steps)
-            batch = Batch(*(part.to(device) for part in examples.batch(chosen)))
-            loss = self._network.loss(batch, noise)
+            batch = examples.batch(chosen)
+            loss = self._network.loss(type(batch)(*(part.to(device) for part in batch)), noise)
             self._optimiser.zero_grad()
             loss.backward()
             nn.utils.clip_grad_norm_(self._network.parameters(), GRADIENT_LIMIT)

@@ -1,0 +1,134 @@
+"""Trains and runs the network that tells object poses from images."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from prime_core.contracts.observations import Observations
+from prime_core.contracts.training import CallData, ModelContext, TrainingContext
+from prime_core.errors import DatasetError
+from prime_core.learning.model_card import check_card, fingerprint, make_card, write_card
+from prime_policies.perception.pose_network import ImageBatch, PoseNetwork
+from prime_policies.perception.settings import PerceptionSettings
+from prime_policies.training.loop import Trainer
+from prime_policies.training.repeatable import first_weights, threads
+from prime_policies.training.weights import load_weights
+
+NAME = "perception"
+"""Of the folder that it is kept in, beside the checkpoints of the model that sees through it."""
+VERSION = 1  # of the weights
+AT_ONCE = 256  # instants whose images are in memory
+
+
+class Perception:
+    """Sees through cameras: gives observations of images the object poses that it tells from them.
+
+    Args:
+        settings: The network.
+        context: The scenes, and the cameras.
+        seed: Of the first weights.
+
+    Raises:
+        DatasetError: If there are no cameras.
+    """
+
+    def __init__(self, settings: PerceptionSettings, context: ModelContext, seed: int) -> None:
+        if context.cameras is None:
+            raise DatasetError("a model of images was given no cameras to see through")
+        self.settings, self.cameras = settings, context.cameras
+        with first_weights(seed, NAME):
+            encoders = [
+                settings.encoder.build(settings.crop, settings.crop) for _ in self.cameras.cameras
+            ]
+            robot, objects = _robot(None).shape[1], context.description.objects
+            self.network = PoseNetwork(encoders, settings.crop, settings.hidden, robot, objects)
+        dump = {**settings.model_dump(mode="json"), "images": self.cameras.model_dump(mode="json")}
+        self.card = make_card(NAME, VERSION, dump, context)
+
+    @classmethod
+    def fit(cls, settings: PerceptionSettings, data: CallData, context: TrainingContext) -> Self:
+        """Train it on all instants of some data, whose object poses and images are known.
+
+        Raises:
+            DatasetError: If they are not.
+            PrimeError: If the training diverges; see `Trainer.train`.
+        """
+        seen, folder = data.observations, context.folder / NAME
+        result = cls(settings, context, context.seed)
+        if seen.environment_state is None or not seen.images:
+            raise DatasetError(
+                "what a model of images learns from has no "
+                + ("images" if seen.environment_state is not None else "object poses")
+            )
+        examples = _Instants(seen, result)
+        result.network.measure(examples.robot, examples.targets)
+        identity = fingerprint(result.card, context.seed, [data])
+        trainer = Trainer(replace(context, folder=folder), identity, settings.epochs)
+        trainer.train(NAME, result.network, examples, settings, settings.epochs)
+        write_card(folder, result.card)
+        result.network.eval()
+        return result
+
+    @classmethod
+    def load(cls, settings: PerceptionSettings, folder: Path, context: ModelContext) -> Self:
+        """Load what `fit` left beside a model's checkpoints.
+
+        Raises:
+            WeightsError: If there is none, or another one.
+        """
+        result = cls(settings, context, seed=0)
+        check_card(folder / NAME, result.card)
+        load_weights(result.network, folder / NAME / f"{NAME}.safetensors")
+        result.network.eval()
+        return result
+
+    @torch.inference_mode()
+    def see(self, seen: Observations) -> Observations:
+        """Return observations with object poses told from images, whatever poses there were."""
+        states = []
+        with threads():
+            for start in range(0, len(seen), AT_ONCE):
+                part = seen[np.arange(start, min(start + AT_ONCE, len(seen)))]
+                found = self.network(self.images(part), _robot(part))
+                states.append(self.network.environment_state(found))
+        return Observations(seen.state, np.concatenate(states))
+
+    def through(self, data: CallData) -> CallData:
+        """Return data as it is seen."""
+        return replace(data, observations=self.see(data.observations))
+
+    def images(self, seen: Observations) -> Tensor:
+        """Read the images of instants, ``(n, cameras, H, W, 3)`` uint8."""
+        images = [np.asarray(seen.images[name]) for name in self.cameras.cameras]
+        return torch.from_numpy(np.stack(images, axis=1))
+
+
+class _Instants:
+    """Instants to draw batches from; their images are read when they are drawn."""
+
+    def __init__(self, seen: Observations, perception: Perception) -> None:
+        self._seen, self._perception = seen, perception
+        self.robot = _robot(seen)
+        self.targets = torch.from_numpy(perception.network.targets(seen))
+
+    def draws(self, generator: np.random.Generator, count: int) -> Tensor:
+        """Draw instants with replacement, ``(count,)``."""
+        return torch.from_numpy(generator.integers(len(self._seen), size=count))
+
+    def batch(self, chosen: Tensor) -> ImageBatch:
+        """Return the instants of some numbers."""
+        images = self._perception.images(self._seen[chosen.numpy()])
+        return ImageBatch(images, self.robot[chosen], self.targets[chosen])
+
+
+def _robot(seen: Observations | None) -> Tensor:
+    """Return position, opening and direction of the gripper, ``(N, 6)``; of none, no rows."""
+    if seen is None:
+        return torch.empty((0, 6))
+    yaw = 2 * seen.gripper_yaw  # half a turn of the jaws looks the same
+    columns = (seen.gripper_position, seen.gripper_opening, np.cos(yaw), np.sin(yaw))
+    return torch.from_numpy(np.column_stack(columns).astype(np.float32))
