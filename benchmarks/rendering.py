@@ -32,7 +32,8 @@ from prime_envs_robosuite.config import (
 )
 from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.simulation.rendering import ALIASES, Meshes
+from prime_envs_robosuite.mujoco_import import import_mujoco
+from prime_envs_robosuite.pictures.cameras import ALIASES, Meshes
 from prime_envs_robosuite.tasks.robosuite_import import quiet_robosuite
 
 Maker = Callable[[Observations, tuple[str, ...]], object]
@@ -69,18 +70,16 @@ def main(rounds: int, sheet: Path | None) -> None:
 def _compare(title: str, rounds: int) -> list[list[Images]]:
     """Print the figures of a task; return full and light pictures of an instant, by size."""
     name, kind = CASES[title]
+    # First, for at the process's end it shuts down what our pictures are freed with.
+    makers = {} if name is None else {"robosuite": _robosuite(name)}
     shown = SimulatedTeleoperatorConfig(count=1, steps=STEPS).demonstrate(kind(), 0, 0)
     seen = shown.observations
     environments = [_build(kind(), meshes) for meshes in ("light", "full", "full")]
     light, full, before = environments
     _as_before(before, seen)
-    makers = {
-        "before": _pictures_of(before),
-        "full": _pictures_of(full),
-        "light": _pictures_of(light),
-    }
-    if name is not None:
-        makers = {"robosuite": _robosuite(name), **makers}
+    makers["before"] = _pictures_of(before)
+    makers["full"] = _pictures_of(full)
+    makers["light"] = _pictures_of(light)
     _print_speeds(title, _measure(makers, seen, rounds), _physics(light, rounds))
     few = seen[np.linspace(0, len(seen) - 1, COMPARED).astype(np.int64)]
     found = []
@@ -139,6 +138,7 @@ def _as_before(environment: RobosuiteEnvironment, seen: Observations) -> None:
 
 def _robosuite(name: str) -> Maker:
     """Return robosuite's own task, which looks at where its episodes start."""
+    import_mujoco()
     with quiet_robosuite():
         import robosuite
 
@@ -152,8 +152,10 @@ def _robosuite(name: str) -> Maker:
             ignore_done=True,
         )
         task.reset()
+        task.sim.render(SIZE, SIZE, camera_name="agentview")
 
     def make(few: Observations, cameras: tuple[str, ...]) -> None:
+        task.sim._render_context_offscreen.gl_ctx.make_current()
         for _ in range(len(few)):
             task.sim.forward()
             for camera in cameras:

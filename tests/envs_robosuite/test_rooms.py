@@ -12,6 +12,7 @@ FOLDER = Path(prime_envs_robosuite.__path__[0])
 ORDER = (
     {"mujoco_import"},
     {"simulation"},
+    {"pictures"},
     {"tasks"},
     {"environment", "config", "recorder"},
     {"demonstrators", "recordings"},

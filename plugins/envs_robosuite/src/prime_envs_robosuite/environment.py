@@ -23,9 +23,9 @@ from prime_core.contracts.observations import (
 )
 from prime_core.contracts.scene import ObjectPoses, Scene
 from prime_core.errors import PrimeError
+from prime_envs_robosuite.pictures.cameras import Cameras, Meshes
 from prime_envs_robosuite.simulation.controller_commands import controller_command
 from prime_envs_robosuite.simulation.panda_simulation import Simulation
-from prime_envs_robosuite.simulation.rendering import Cameras, Meshes
 from prime_envs_robosuite.simulation.robot_description import describe_robot
 from prime_envs_robosuite.simulation.stepping import Stepping
 from prime_envs_robosuite.tasks.task import Task
@@ -45,7 +45,7 @@ class RobosuiteEnvironment(Environment):
         cameras: Cameras whose images are part of the observations.
         image_size: Height and width of those images [pixels].
         horizon: Steps after which an episode is truncated; None for never.
-        meshes: What pictures are made of; see `simulation.rendering`.
+        meshes: What pictures are made of; see `pictures.cameras`.
 
     Raises:
         PrimeError: If a camera does not exist.

@@ -7,7 +7,7 @@ def import_mujoco() -> None:
     """Import MuJoCo for the first time.
 
     Its package imports the picture library that MUJOCO_GL names, and fails where there is none:
-    physics needs no pictures. Who asks for one is told what is wrong (`rendering`).
+    physics needs no pictures. Who asks for one is told what is wrong (`pictures`).
     """
     try:
         import mujoco

@@ -1,5 +1,4 @@
-"""The physics of robosuite's Panda: models, the compiled control law, states, resets, pictures.
+"""The physics of robosuite's Panda: models, the compiled control law, states and resets.
 
-Nothing here knows a task. Another way to step is a `Stepper` in ``stepping.py``; names of
-cameras stand in ``rendering.py``.
+Nothing here knows a task. Another way to step is a `Stepper` in ``stepping.py``.
 """

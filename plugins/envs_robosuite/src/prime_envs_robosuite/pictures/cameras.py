@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.simulation.gl_context import make_contexts
-from prime_envs_robosuite.simulation.light_meshes import lighten
+from prime_envs_robosuite.pictures.gl_context import make_contexts
+from prime_envs_robosuite.pictures.light_meshes import lighten
 from prime_envs_robosuite.simulation.physics_model import visual_model
 
 Meshes = Literal["light", "full"]

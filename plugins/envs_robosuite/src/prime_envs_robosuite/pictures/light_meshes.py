@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.simulation.normals import corner_normals
+from prime_envs_robosuite.pictures.normals import corner_normals
 
 Points = NDArray[np.float64]
 Faces = NDArray[np.int64]
