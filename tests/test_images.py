@@ -1,0 +1,114 @@
+"""From images, on real physics: what is rendered, and what a run makes of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.contracts.observations import Observations
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.running import run_experiment
+from prime_core.registry.fields import read_settings
+
+from .test_pipeline import QUICK
+
+SETTINGS = (
+    "collection.episodes=3",
+    "collection.episodes_per_shard=2",
+    "demonstrations.count=2",
+    "images.size=40",
+    "images.frames_within=2",
+    "policies={prime: {type: prime-images, pretraining_epochs: 1, finetuning_epochs: 1, "
+    "steps_per_epoch: 10, finetuning_steps_per_epoch: 10, "
+    "perception: {epochs: 1, steps_per_epoch: 3, batch_size: 8, crop: 36}}}",
+    "evaluation={trials: 1, top_checkpoints: 1, fresh_trials: 0, maximum_steps: 60}",
+)
+IDM = "idm={type: mlp-gmm-images, classifier_epochs: 1, parameter_epochs: 1, steps_per_epoch: 10, "
+IDM += "perception: {epochs: 1, steps_per_epoch: 3, batch_size: 8, crop: 36}}"
+
+
+def experiment(out: Path, *settings: str) -> Experiment:
+    config = read_experiment(QUICK, [*SETTINGS, *settings])
+    return Experiment(config, out / config.name)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Experiment:
+    """Return the experiment with its images, made in this process."""
+    job = experiment(tmp_path_factory.mktemp("images"), "compute.workers=0")
+    job.rollout_images.results()
+    job.demonstration_images.results()
+    return job
+
+
+def test_images_of_rollouts_show_the_frames_that_are_learnt_from(made: Experiment) -> None:
+    environment = read_settings(EnvironmentConfig, made.demonstrations.environment).build()
+    episodes = list(made.collection.episodes())
+    pictured = list(made.rollout_images.episodes())
+    assert len(pictured) == len(episodes) == 3
+    for episode, images in zip(episodes, pictured, strict=True):
+        assert set(episode.rollouts[:, :2].ravel()) <= set(images.frames)
+        frames = images.frames
+        seen = Observations(episode.state[frames], episode.environment_state[frames])
+        for camera in ("agentview", "wrist"):
+            expected = environment.pictures(seen, [camera], 40, 40)[camera]
+            np.testing.assert_array_equal(np.asarray(images.images[camera]), expected)
+
+
+def test_images_of_demonstrations_show_all_their_frames(made: Experiment) -> None:
+    for item, images in made.demonstration_images.load().items():
+        frames = len(made.demonstrations.load()[item].observations)
+        assert {each.shape for each in images.values()} == {(frames, 40, 40, 3)}
+        assert np.asarray(images["wrist"]).std() > 5
+
+
+def test_other_workers_make_the_same_bytes(made: Experiment, tmp_path: Path) -> None:
+    other = experiment(tmp_path, "compute.workers=2")
+    other.rollout_images.results()
+    for item in made.rollout_images.items():
+        for mine, theirs in zip(
+            made.rollout_images.outputs(item), other.rollout_images.outputs(item), strict=True
+        ):
+            assert mine.read_bytes() == theirs.read_bytes()
+
+
+def test_an_image_file_that_is_damaged_is_made_anew(made: Experiment) -> None:
+    stage = made.rollout_images
+    path = stage.outputs("0")[0]
+    before = path.read_bytes()
+    path.write_bytes(before[:-1] + b"x")
+    fresh = experiment(made.folder.parent, "compute.workers=0").rollout_images
+    assert fresh.drop_damaged() == ["0"]
+    fresh.results()
+    assert path.read_bytes() == before
+
+
+def test_no_images_are_made_where_no_model_sees_any(tmp_path: Path) -> None:
+    config = read_experiment(QUICK, [])
+    assert not [name for name in Experiment(config, tmp_path).stages if "images" in name]
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ((), ["images.rollouts", "images.demonstrations"]),
+        (("policies.prime.pretrain=false",), ["images.demonstrations"]),
+        (("policies={prime: {type: prime}}", IDM), ["images.rollouts", "images.demonstrations"]),
+    ],
+)
+def test_a_run_makes_the_images_that_its_models_need(
+    tmp_path: Path, settings: tuple[str, ...], expected: list[str]
+) -> None:
+    stages = experiment(tmp_path, *settings).stages
+    assert [name for name in stages if "images" in name] == expected
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("settings", [(), (IDM,), ("policies.prime.pretrain=false",)])
+def test_a_run_from_images_goes_through(tmp_path: Path, settings: tuple[str, ...]) -> None:
+    job = experiment(tmp_path, *settings)
+    run_experiment(job, Console(quiet=True))
+    assert not [name for name, stage in job.stages.items() if stage.missing()]
