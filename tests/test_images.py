@@ -9,7 +9,9 @@ from rich.console import Console
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.parse_dataset import parse_foreign
 from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.results.summaries import summarise
 from prime_core.experiments.running import run_experiment
 from prime_core.registry.fields import read_settings
 
@@ -112,3 +114,13 @@ def test_a_run_from_images_goes_through(tmp_path: Path, settings: tuple[str, ...
     job = experiment(tmp_path, *settings)
     run_experiment(job, Console(quiet=True))
     assert not [name for name, stage in job.stages.items() if stage.missing()]
+    made = summarise(job.demonstration_images)
+    assert made is not None
+    assert 500 < made["bytes_per_image"] < 40 * 40 * 3
+    if settings == (IDM,):
+        target = tmp_path / "parsed"
+        found = parse_foreign(job.folder / "dataset", job.folder, target)
+        own = job.parsing.load()
+        assert [
+            [(one.start, one.end) for one in item.segments] for item in found.parsed.values()
+        ] == [[(one.start, one.end) for one in item.segments] for item in own.values()]

@@ -1,6 +1,6 @@
 """Parses demonstrations from elsewhere with the IDM of a run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from prime_core.configuration import Config
@@ -11,6 +11,7 @@ from prime_core.contracts.demonstration import (
 )
 from prime_core.datasets.read import write_dataset
 from prime_core.errors import ConfigurationError, DatasetError, DemonstrationError
+from prime_core.execution.live_images import with_live_images
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import read_experiment
 from prime_core.experiments.run_folder.outputs import check_resolved
@@ -104,6 +105,14 @@ def parse_foreign(
             good[str(number)] = found
     check_left_out(left_out, count, strict)
     idm, parser = experiment.idm.load(), settings.parser
+    if "images" in idm.sees:
+        environment, cameras = settings.environment.build(), settings.images
+        good = {
+            item: replace(
+                one, observations=with_live_images(one.observations, environment, cameras)
+            )
+            for item, one in good.items()
+        }
     parsed = {number: parse_demonstration(one, idm, parser) for number, one in good.items()}
     _write(experiment, [*parsed.values()], target)
     return ForeignDemonstrations(parsed, left_out)

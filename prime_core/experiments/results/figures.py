@@ -28,6 +28,7 @@ def _figures(results: dict[str, Any]) -> Figures:
         found |= _collection(results["collection"])
     if "idm" in results:
         found |= _idm(results["idm"])
+    found |= _images(results)
     if "replay" in results:
         found["replay success"] = f"{results['replay']['with_other']['success']:.3f}"
         if "without_other" in results["replay"]:
@@ -52,6 +53,18 @@ def _collection(values: dict[str, Any]) -> Figures:
         shares = [sources[source]["share"] for source in ("prior", "uniform")]
         text = " / ".join("-" if share is None else f"{share:.2f}" for share in shares)
         found[f"draws of {name} that passed, prior / uniform"] = text
+    return found
+
+
+def _images(results: dict[str, Any]) -> Figures:
+    found = {}
+    for name in ("rollouts", "demonstrations"):
+        made = results.get(f"images.{name}")
+        if made is not None:
+            found[f"images of {name}"] = (
+                f"{made['images']:,}, {made['bytes_per_image'] / 1000:.1f} kB each, "
+                f"{made['images_per_process_second']:.0f} a second and process"
+            )
     return found
 
 

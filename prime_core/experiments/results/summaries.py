@@ -9,11 +9,12 @@ import numpy as np
 
 from prime_core.contracts.demonstration import ParsedDemonstration
 from prime_core.experiments.results.rates import mean_of_best, wilson_interval
-from prime_core.experiments.run_folder.seal import BESIDE
+from prime_core.experiments.run_folder.seal import BESIDE, TIMING
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.images import ImageStage
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.replay import Replaying
 from prime_core.experiments.stages.stage import Result, Stage
@@ -55,6 +56,19 @@ def _(stage: Collection) -> Summary:
         "transitions": transitions,
         "rollouts": {name: int(count) for name, count in zip(names, rollouts, strict=True)},
         "draws": draws,
+    }
+
+
+@summarise.register
+def _(stage: ImageStage) -> Summary:
+    """Return how many images there are, how large, and how fast they were made and written."""
+    results = [each for each in stage.results() if "images" in each]
+    images = sum(each["images"] for each in results)
+    seconds = sum(each[TIMING]["seconds"] for each in results)
+    return {
+        "images": images,
+        "bytes_per_image": round(sum(each["bytes"] for each in results) / max(images, 1)),
+        "images_per_process_second": round(images / seconds, 1),
     }
 
 
