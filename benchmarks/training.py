@@ -17,7 +17,7 @@ from contextlib import nullcontext
 import torch
 from torch.utils.flop_counter import FlopCounterMode
 
-from prime_core.contracts.encoder import EncoderConfig
+from prime_core.contracts.images import EncoderConfig
 from prime_policies.encoders.config import Resnet18Config, SmallCnnConfig
 from prime_policies.encoders.crops import crop
 from prime_policies.training.devices import precision

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from prime_core.contracts.description import ObjectDescription as ObjectDescription
     from prime_core.contracts.description import RobotDescription as RobotDescription
     from prime_core.contracts.description import SceneDescription as SceneDescription
-    from prime_core.contracts.encoder import EncoderConfig as EncoderConfig
     from prime_core.contracts.environment import Environment as Environment
     from prime_core.contracts.environment import EnvironmentConfig as EnvironmentConfig
     from prime_core.contracts.idm import IdmConfig as IdmConfig
     from prime_core.contracts.idm import InverseDynamicsModel as InverseDynamicsModel
+    from prime_core.contracts.images import EncoderConfig as EncoderConfig
     from prime_core.contracts.observations import Observations as Observations
     from prime_core.contracts.parser import Parser as Parser
     from prime_core.contracts.parser import ParserConfig as ParserConfig
@@ -54,7 +54,7 @@ _MODULES = {
     "Demonstration": "contracts.demonstration",
     "DemonstrationError": "errors",
     "DemonstratorConfig": "contracts.demonstration",
-    "EncoderConfig": "contracts.encoder",
+    "EncoderConfig": "contracts.images",
     "Environment": "contracts.environment",
     "EnvironmentConfig": "contracts.environment",
     "IdmConfig": "contracts.idm",

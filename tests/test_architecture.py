@@ -42,7 +42,7 @@ ORDER = (
 )
 """The folders of prime_core: each may import those above it; two in a line need not each other."""
 
-KNOW_TORCH = (CORE / "contracts" / "encoder.py", CORE / "checks" / "encoder.py")
+KNOW_TORCH = (CORE / "contracts" / "images.py", CORE / "checks" / "encoder.py")
 """Encoders are torch modules: torch is named for type checkers, and used inside functions."""
 
 ONLY_IN_FUNCTIONS = {"registry": ("parsing", "datasets")}

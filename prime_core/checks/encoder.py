@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.checks.requirement import CheckError, require, require_array
-from prime_core.contracts.encoder import EncoderConfig
+from prime_core.contracts.images import EncoderConfig
 
 if TYPE_CHECKING:
     from torch import nn
@@ -24,7 +24,7 @@ TOLERANCE = 1e-4
 def check_encoder(config: EncoderConfig, height: int = 76, width: int = 76, seed: int = 0) -> None:
     """Check on made-up pictures that an encoder keeps its contract; needs torch.
 
-    It is not trained; see `prime_core.contracts.encoder` for the contract.
+    It is not trained; see `prime_core.contracts.images` for the contract.
 
     Args:
         config: Settings of the encoder.

@@ -1,7 +1,8 @@
-"""Images of cameras: which cameras, and images of many instants, read when they are indexed."""
+"""Images: cameras, images of many instants that are read when indexed, and encoders of them."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Annotated, Any, Protocol, Self
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,9 @@ from pydantic import Field, field_validator
 
 from prime_core.arrays import Indices
 from prime_core.configuration import Config
+
+if TYPE_CHECKING:  # models may compute with what they like: the core needs no torch
+    from torch import nn
 
 Pixels = Annotated[int, Field(ge=8, le=2048)]
 
@@ -91,3 +95,25 @@ class ChosenImages:
         """Read all images."""
         images: NDArray[Any] = self[np.arange(len(self._places))]
         return images if dtype is None else images.astype(dtype)
+
+
+class EncoderConfig(Config):
+    """Settings of an encoder of images; what packs register.
+
+    A model builds one for each camera and trains it together with the rest of the model.
+    """
+
+    @abstractmethod
+    def build(self, height: int, width: int) -> "nn.Module":
+        """Make the network; its first weights come from torch's global generator.
+
+        Args:
+            height: Of the pictures that it is given, which may be crops [pixels].
+            width: Likewise.
+
+        Returns:
+            A module that turns pictures of one camera, ``(n, 3, height, width)`` float32 in
+            [0, 1], into features ``(n, F)`` float32. Its attribute ``width`` is ``F``. In
+            evaluation mode a picture's features depend on that picture and on ``state_dict()``
+            alone. Weights that are not to be learnt require no gradient.
+        """

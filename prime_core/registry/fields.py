@@ -6,9 +6,9 @@ from pydantic import BeforeValidator, SerializeAsAny, WrapSerializer
 
 from prime_core.configuration import Config, ConfigDump
 from prime_core.contracts.demonstration import DemonstratorConfig
-from prime_core.contracts.encoder import EncoderConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.idm import IdmConfig
+from prime_core.contracts.images import EncoderConfig
 from prime_core.contracts.parser import ParserConfig
 from prime_core.contracts.policy import PolicyConfig
 from prime_core.contracts.primitive import PrimitiveConfig

@@ -8,7 +8,7 @@ from pydantic import Field
 from torch import Tensor, nn
 
 from prime_core.checks import CheckError, check_encoder
-from prime_core.contracts.encoder import EncoderConfig
+from prime_core.contracts.images import EncoderConfig
 
 
 class Patches(nn.Module):

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from prime_core.checks import check_encoder, check_settings
 from prime_core.configuration import Config
-from prime_core.contracts.encoder import EncoderConfig
+from prime_core.contracts.images import EncoderConfig
 from prime_core.contracts.parser import Parser, ParserConfig
 from prime_core.experiments.run_folder.settings_of import makers
 from prime_core.hookspecs import hookimpl

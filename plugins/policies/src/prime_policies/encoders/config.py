@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from prime_core.contracts.encoder import EncoderConfig
+from prime_core.contracts.images import EncoderConfig
 
 if TYPE_CHECKING:
     from prime_policies.encoders.keypoints import KeypointEncoder
