@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from stock_task import stock_task
 
 from prime_core.contracts.observations import Observations
 from prime_envs_robosuite.config import (
@@ -32,7 +33,6 @@ from prime_envs_robosuite.config import (
 )
 from prime_envs_robosuite.demonstrators.simulated_teleoperator import SimulatedTeleoperatorConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.mujoco_import import import_mujoco
 from prime_envs_robosuite.pictures.cameras import ALIASES, Meshes
 from prime_envs_robosuite.tasks.robosuite_import import quiet_robosuite
 
@@ -138,19 +138,8 @@ def _as_before(environment: RobosuiteEnvironment, seen: Observations) -> None:
 
 def _robosuite(name: str) -> Maker:
     """Return robosuite's own task, which looks at where its episodes start."""
-    import_mujoco()
+    task = stock_task(name, pictures=True)
     with quiet_robosuite():
-        import robosuite
-
-        task = robosuite.make(
-            name,
-            robots="Panda",
-            has_renderer=False,
-            has_offscreen_renderer=True,
-            use_camera_obs=False,
-            hard_reset=False,
-            ignore_done=True,
-        )
         task.reset()
         task.sim.render(SIZE, SIZE, camera_name="agentview")
 

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stock_task import stock_task
 
 from prime_core.collection.episode import collect_episode
 from prime_core.collection.settings import CollectionConfig
@@ -31,7 +32,6 @@ from prime_envs_robosuite.config import (
     TidyUpConfig,
 )
 from prime_envs_robosuite.environment import RobosuiteEnvironment
-from prime_envs_robosuite.tasks.robosuite_import import quiet_robosuite
 from prime_primitives_scripted.grasp import GraspConfig
 from prime_primitives_scripted.place import PlaceConfig
 from prime_primitives_scripted.push import PushConfig
@@ -128,18 +128,7 @@ def _commands() -> Array:
 
 def _robosuite(name: str) -> Contender:
     """Return robosuite's own task as it is installed, observations included."""
-    with quiet_robosuite():
-        import robosuite
-
-        task = robosuite.make(
-            name,
-            robots="Panda",
-            has_renderer=False,
-            has_offscreen_renderer=False,
-            use_camera_obs=False,
-            hard_reset=False,
-            ignore_done=True,
-        )
+    task = stock_task(name)
     commands = _commands()
     return "robosuite", task.reset, lambda: [task.step(item) for item in commands] and None
 

@@ -10,7 +10,7 @@ Floats = NDArray[np.float64]
 """Plain numbers, such as weights."""
 
 Flags = NDArray[np.bool_]
-"""Whether, of each."""
+"""One truth value for each of several things."""
 
 Indices = NDArray[np.int64]
 """Rows of other arrays."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Indices
-from prime_core.checks.requirement import CheckError, require, require_array
+from prime_core.checks.requirement import CheckError, require, require_array, require_images_agree
 from prime_core.checks.samples import CONTEXT, SPACE, sample_observations, sample_pairs
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.training import TrainingContext
@@ -66,6 +66,7 @@ def _fit(config: IdmConfig, folder: Path, seed: int) -> InverseDynamicsModel:
         f"fit() returned a {type(model).__name__}: it must return an InverseDynamicsModel",
     )
     require(model.space == SPACE, "the model's space must be the one that fit() was given")
+    require_images_agree(model.sees, config)
     return model
 
 

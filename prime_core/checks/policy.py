@@ -14,7 +14,7 @@ from prime_core.checks.policy_kinds import (
     fit_motor_policy,
     fit_primitive_policy,
 )
-from prime_core.checks.requirement import CheckError, require
+from prime_core.checks.requirement import CheckError, require, require_images_agree
 from prime_core.checks.samples import CONTEXT, Answer
 from prime_core.contracts.observations import Modality
 from prime_core.contracts.policy import (
@@ -126,6 +126,11 @@ def _load(kind: _Kind, config: Any, checkpoint: Path) -> Any:
     require(
         bool(policy.sees) and set(policy.sees) <= set(get_args(Modality)),
         f"sees is {policy.sees!r}: it must name some of {get_args(Modality)}",
+    )
+    require_images_agree(policy.sees, config)
+    require(
+        "images" not in policy.sees or policy.cameras is not None,
+        "the policy sees images but its cameras are None: they must be the context's",
     )
     return policy
 

@@ -1,9 +1,12 @@
 """How a check says what is wrong."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from prime_core.contracts.observations import Modality
+from prime_core.contracts.training import TrainableConfig
 from prime_core.errors import PrimeError
 
 
@@ -55,4 +58,13 @@ def require_bool(value: Any, subject: str) -> None:
         isinstance(value, bool),
         f"{subject} is {value!r}, a {type(value).__name__}: it must be True or False; "
         "put bool(...) around it",
+    )
+
+
+def require_images_agree(sees: Sequence[Modality], config: TrainableConfig) -> None:
+    """Require that a model sees images where its settings say so, and only there."""
+    require(
+        ("images" in sees) == ("images" in config.modalities),
+        f"the model sees {tuple(sees)}, its settings' modalities are {config.modalities}: both or "
+        "neither must name images, for a run makes images by what the settings say",
     )

@@ -66,8 +66,8 @@ class ChosenImages:
         if len(sizes) > 1:
             raise ValueError(f"images of one camera must be of one size, not {sorted(sizes)}")
         parts = [
-            np.column_stack((np.full(len_, number), np.arange(len_)))
-            for number, len_ in enumerate(source.shape[0] for source in sources)
+            np.column_stack((np.full(source.shape[0], number), np.arange(source.shape[0])))
+            for number, source in enumerate(sources)
         ]
         return cls(sources, np.concatenate(parts).astype(np.int64))
 

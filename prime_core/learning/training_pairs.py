@@ -110,7 +110,8 @@ def hard_negatives(
         rows, same = first[:, 2] == label, rollouts[rollouts[:, 2] == label]
         second[rows] = same[generator.integers(len(same), size=int(rows.sum()))]
     start, end = first[:, 0], second[:, 1]
-    before, after = (table.observations[table.rows(frames)] for frames in (start, end))
+    poses = table.observations.only(("proprioception", "objects"))  # images are not to be read
+    before, after = (poses[table.rows(frames)] for frames in (start, end))
     moved = np.linalg.norm(before.object_positions - after.object_positions, axis=-1)
     moved = np.where(before.held, 0.0, moved)
     keep = table.episode(start) != table.episode(end)

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from prime_core.checks import check_idm, check_policy
+from prime_core.checks import CheckError, check_idm, check_policy
 from prime_core.checks.samples import CONTEXT, FRAMES, sample_calls, sample_observations
-from prime_core.contracts.observations import Observations
+from prime_core.contracts.observations import Modality, Observations
 from prime_core.contracts.training import CallData, TrainingContext
 from prime_core.errors import DatasetError, WeightsError
 from prime_policies.encoders.config import SmallCnnConfig
@@ -56,6 +56,17 @@ def test_prime_on_images_keeps_the_contract(pretrain: bool) -> None:
             **BRIEF,
         )
     )
+
+
+def test_a_model_that_sees_images_must_have_said_so() -> None:
+    class Blind(ImageIdmConfig):
+        @property
+        def modalities(self) -> tuple[Modality, ...]:
+            return ("proprioception", "objects")
+
+    brief = Blind(classifier_epochs=1, parameter_epochs=1, perception=QUICK, **BRIEF)
+    with pytest.raises(CheckError, match="both or neither must name images"):
+        check_idm(brief)
 
 
 def test_it_learns_where_things_are(perception: Perception) -> None:

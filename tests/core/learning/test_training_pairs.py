@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from prime_core.collection.recording import CollectedEpisode
-from prime_core.collection.rollouts import FrameConfig, RolloutTable
+from prime_core.collection.rollouts import EpisodeImages, FrameConfig, RolloutTable
 from prime_core.contracts.calls import Parameter, ParameterSpace, PrimitiveSpace
+from prime_core.contracts.images import ChosenImages
 from prime_core.learning.training_pairs import (
     PairConfig,
     balanced_weights,
@@ -35,6 +36,22 @@ def test_hard_negatives_join_two_episodes_with_the_object_elsewhere() -> None:
     for start, end in pairs.tolist():
         assert starts[start] == ends[end]
         assert table.episode(start) != table.episode(end)
+
+
+def test_hard_negatives_read_no_image() -> None:
+    class Unread:
+        shape = (60, 4, 4, 3)
+
+        def __getitem__(self, rows: object) -> None:
+            raise AssertionError("an image was read")
+
+    images = [EpisodeImages(np.arange(60), {"front": ChosenImages.joined([Unread()])})] * 20
+    episodes = [episode(number) for number in range(20)]
+    table = RolloutTable(episodes, images=images)
+    config = PairConfig(hard_negatives=5.0)
+    found = hard_negatives(table, config, np.random.default_rng(0))
+    expected = hard_negatives(RolloutTable(episodes), config, np.random.default_rng(0))
+    assert np.array_equal(found, expected)
 
 
 def test_no_hard_negative_is_what_a_place_of_what_is_held_could_lead_to() -> None:

@@ -1,7 +1,7 @@
 """A network as the training loop sees it, and what it takes."""
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -27,5 +27,5 @@ class Network(nn.Module, ABC):
     """What the training loop trains."""
 
     @abstractmethod
-    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
+    def loss(self, batch: Any, generator: torch.Generator) -> Tensor:
         """Return the mean loss of a batch; the generator is of noise."""

@@ -13,6 +13,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from prime_core.arrays import Flags
 from prime_policies.networks.mixture import wrapped
 from prime_policies.networks.product_mixture import ProductMixture
 
@@ -24,7 +25,6 @@ NARROWEST = 0.02  # deviation at the start: a step of the optimiser moves an off
 WIDE = 3.0  # deviation in frames that a component starts without: of no weight beside its own
 
 Floats = NDArray[np.float32]
-Flags = NDArray[np.bool_]
 
 
 @torch.no_grad()

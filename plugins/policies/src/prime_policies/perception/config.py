@@ -8,10 +8,8 @@ from prime_core.contracts.observations import Modality
 from prime_core.contracts.policy import PrimitivePolicy
 from prime_core.contracts.training import CallData, ModelContext, TrainingContext
 from prime_policies.idm.config import MlpGmmIdmConfig
-from prime_policies.perception.settings import PerceptionSettings
+from prime_policies.perception.settings import SEES, PerceptionSettings
 from prime_policies.primitive_policy.config import PrimePolicyConfig
-
-MODALITIES: tuple[Modality, ...] = ("proprioception", "images")
 
 
 class ImageIdmConfig(MlpGmmIdmConfig):
@@ -28,7 +26,7 @@ class ImageIdmConfig(MlpGmmIdmConfig):
     @property
     def modalities(self) -> tuple[Modality, ...]:
         """Images, and the robot's state."""
-        return MODALITIES
+        return SEES
 
     def fit(self, data: CallData, context: TrainingContext) -> InverseDynamicsModel:
         """Train the perception, then both networks on what it sees; see `IdmConfig`."""
@@ -62,7 +60,7 @@ class ImagePolicyConfig(PrimePolicyConfig):
     @property
     def modalities(self) -> tuple[Modality, ...]:
         """Images, and the robot's state."""
-        return MODALITIES
+        return SEES
 
     def fit(
         self, rollouts: CallData | None, demonstrations: CallData, context: TrainingContext
@@ -70,9 +68,12 @@ class ImagePolicyConfig(PrimePolicyConfig):
         """Train the perception, then both networks; see `PrimitivePolicyConfig`."""
         from prime_policies.perception.perception import Perception
 
-        rollouts = rollouts if self.pretrain else None
-        perception = Perception.fit(self.perception, rollouts or demonstrations, context)
-        seen = None if rollouts is None else perception.through(rollouts)
+        if rollouts is None or not self.pretrain:
+            perception = Perception.fit(self.perception, demonstrations, context)
+            seen = None
+        else:
+            perception = Perception.fit(self.perception, rollouts, context)
+            seen = perception.through(rollouts)
         return super().fit(seen, perception.through(demonstrations), context)
 
     def load(self, checkpoint: Path, context: ModelContext) -> PrimitivePolicy:

@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 from prime_core.arrays import Floats, Indices
 from prime_core.contracts.calls import PrimitiveCall
 from prime_core.contracts.idm import InverseDynamicsModel
-from prime_core.contracts.observations import Modality, Observations
+from prime_core.contracts.observations import Observations
 from prime_core.contracts.policy import PrimitivePolicy
 from prime_policies.perception.perception import Perception
-
-SEES: tuple[Modality, ...] = ("proprioception", "images")
+from prime_policies.perception.settings import SEES
 
 
 class ImageIdm(InverseDynamicsModel):

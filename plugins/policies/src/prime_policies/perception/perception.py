@@ -21,6 +21,7 @@ from prime_policies.training.weights import load_weights
 NAME = "perception"
 """Of the folder that it is kept in, beside the checkpoints of the model that sees through it."""
 VERSION = 1  # of the weights
+ROBOT_WIDTH = 6  # numbers of the robot's state that it sees beside images
 AT_ONCE = 256  # instants whose images are in memory
 
 
@@ -44,8 +45,10 @@ class Perception:
             encoders = [
                 settings.encoder.build(settings.crop, settings.crop) for _ in self.cameras.cameras
             ]
-            robot, objects = _robot(None).shape[1], context.description.objects
-            self.network = PoseNetwork(encoders, settings.crop, settings.hidden, robot, objects)
+            objects = context.description.objects
+            self.network = PoseNetwork(
+                encoders, settings.crop, settings.hidden, ROBOT_WIDTH, objects
+            )
         dump = {**settings.model_dump(mode="json"), "images": self.cameras.model_dump(mode="json")}
         self.card = make_card(NAME, VERSION, dump, context)
 
@@ -125,10 +128,8 @@ class _Instants:
         return ImageBatch(images, self.robot[chosen], self.targets[chosen])
 
 
-def _robot(seen: Observations | None) -> Tensor:
-    """Return position, opening and direction of the gripper, ``(N, 6)``; of none, no rows."""
-    if seen is None:
-        return torch.empty((0, 6))
+def _robot(seen: Observations) -> Tensor:
+    """Return position [m], opening [m] and direction of the gripper, ``(N, ROBOT_WIDTH)``."""
     yaw = 2 * seen.gripper_yaw  # half a turn of the jaws looks the same
     columns = (seen.gripper_position, seen.gripper_opening, np.cos(yaw), np.sin(yaw))
     return torch.from_numpy(np.column_stack(columns).astype(np.float32))

@@ -26,8 +26,8 @@ class ImageBatch(NamedTuple):
     Attributes:
         images: ``(n, cameras, H, W, 3)`` uint8.
         robot: Numbers of the robot's state, ``(n, R)``.
-        targets: Of each object x, y, z, cosine and sine of its yaw times its symmetry, and 1 if it
-            is held, ``(n, objects, 6)``.
+        targets: Of each object x, y, z [m], cosine and sine of its yaw times its symmetry (world
+            frame), and 1 if it is held, ``(n, objects, 6)``.
     """
 
     images: Tensor

@@ -2,12 +2,17 @@
 
 from pydantic import Field
 
-from prime_core.configuration import Config, Count, Share
+from prime_core.configuration import Count
+from prime_core.contracts.observations import Modality
 from prime_core.registry.fields import EncoderChoice
 from prime_policies.encoders.config import SmallCnnConfig
+from prime_policies.training.settings import TrainingSettings
+
+SEES: tuple[Modality, ...] = ("proprioception", "images")
+"""What models see that see through a perception."""
 
 
-class PerceptionSettings(Config):
+class PerceptionSettings(TrainingSettings):
     """The network that tells object poses from images, and how it is trained."""
 
     encoder: EncoderChoice = SmallCnnConfig()
@@ -23,7 +28,3 @@ class PerceptionSettings(Config):
     """Steps of an epoch; an interrupted training goes on after its last finished epoch."""
     batch_size: int = Field(64, ge=1, le=16_384)
     """Instants of a step."""
-    learning_rate: float = Field(1e-3, ge=1e-9, le=1)
-    """Of AdamW at the start; it falls to zero by half a cosine."""
-    weight_decay: Share = 1e-3
-    """Decoupled, of AdamW."""

@@ -5,7 +5,9 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Protocol
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
@@ -13,13 +15,22 @@ from prime_core.contracts.training import TrainingContext
 from prime_core.errors import PrimeError, WeightsError
 from prime_policies.networks.network import Network
 from prime_policies.training.devices import torch_device
-from prime_policies.training.examples import Examples
 from prime_policies.training.repeatable import seeded, threads
-from prime_policies.training.settings import NetworkSettings
+from prime_policies.training.settings import TrainingSettings
 from prime_policies.training.weights import read_tensors, write_tensors
 
 GRADIENT_LIMIT = 10.0  # one strange batch must not undo a training
 FAST = 10.0  # times the learning rate of offsets and precisions, of which there are few
+
+
+class Source(Protocol):
+    """Examples to draw batches from, such as `Examples`."""
+
+    def draws(self, generator: np.random.Generator, count: int) -> Tensor:
+        """Draw numbers of examples with replacement, ``(count,)``."""
+
+    def batch(self, chosen: Tensor) -> Any:
+        """Return the examples of some numbers: a named tuple of tensors that `loss` takes."""
 
 
 @dataclass
@@ -42,8 +53,8 @@ class Trainer:
         self,
         name: str,
         network: Network,
-        examples: Examples,
-        settings: NetworkSettings,
+        examples: Source,
+        settings: TrainingSettings,
         epochs: int,
         keep: Callable[[int], None] | None = None,
     ) -> None:
@@ -103,7 +114,7 @@ class _Run:
     """One training: a network, its optimiser and how long it takes."""
 
     def __init__(
-        self, trainer: Trainer, name: str, network: Network, settings: NetworkSettings, epochs: int
+        self, trainer: Trainer, name: str, network: Network, settings: TrainingSettings, epochs: int
     ) -> None:
         self.state = trainer.context.folder / f"{name}.training.safetensors"
         self._trainer, self._name, self._network = trainer, name, network
@@ -119,7 +130,7 @@ class _Run:
         ]
         self._optimiser = torch.optim.AdamW(groups, fused=True)
 
-    def epoch(self, number: int, examples: Examples) -> None:
+    def epoch(self, number: int, examples: Source) -> None:
         """Train for an epoch, whose draws depend on nothing before it."""
         generator = seeded(self._trainer.context.seed, self._name, number)
         noise = torch.Generator().manual_seed(int(generator.integers(2**62)))

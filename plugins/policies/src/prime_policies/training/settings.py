@@ -1,16 +1,29 @@
-"""Settings that all networks share."""
+"""Settings that all networks share, and those of their training."""
 
 from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from prime_core.configuration import Count, Share
+from prime_core.configuration import Config, Count, Share
 from prime_core.contracts.training import TrainableConfig
 
 Width = Annotated[int, Field(ge=1, le=8192)]
 
 
-class NetworkSettings(TrainableConfig):
+class TrainingSettings(Config):
+    """How a step of a training goes, and how many steps an epoch has."""
+
+    batch_size: int = Field(256, ge=1, le=16_384)
+    """Examples of a step."""
+    steps_per_epoch: Count = 500
+    """Steps of an epoch; an interrupted training goes on after its last finished epoch."""
+    learning_rate: float = Field(1e-3, ge=1e-9, le=1)
+    """Of AdamW at the start; it falls to zero by half a cosine."""
+    weight_decay: Share = 1e-3
+    """Decoupled, of AdamW; offsets and precisions of mixtures have none."""
+
+
+class NetworkSettings(TrainableConfig, TrainingSettings):
     """How large the networks are, and how a step of their training goes."""
 
     kind: ClassVar[str]  # name that the settings are registered under
@@ -25,14 +38,6 @@ class NetworkSettings(TrainableConfig):
     """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]."""
     input_noise: float = Field(0.05, ge=0, le=10)
     """Standard deviation of the noise on normalised inputs while training."""
-    batch_size: int = Field(256, ge=1, le=16_384)
-    """Examples of a step."""
-    steps_per_epoch: Count = 500
-    """Steps of an epoch; an interrupted training goes on after its last finished epoch."""
-    learning_rate: float = Field(1e-3, ge=1e-9, le=1)
-    """Of AdamW at the start; it falls to zero by half a cosine."""
-    weight_decay: Share = 1e-3
-    """Decoupled, of AdamW; offsets and precisions of mixtures have none."""
 
     def check_device(self, device: str) -> None:
         """Ask torch for it; see `TrainableConfig`."""
