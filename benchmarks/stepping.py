@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 from stock_task import stock_task
 
-from prime_core.collection.episode import collect_episode
+from prime_core.collection.episode import Collector
 from prime_core.collection.settings import CollectionConfig
-from prime_core.contracts.calls import PrimitiveSpace
+from prime_core.execution.world import World
 from prime_envs_robosuite.config import (
     CleanUpConfig,
     LiftConfig,
@@ -78,8 +78,7 @@ def _collection(environment: RobosuiteEnvironment) -> float:
     description = environment.description
     built = [config.build(description) for config in PRIMITIVES]
     usable = built if description.affordances_for("push") else built[:3]
-    names = tuple(item.name for item in usable)
-    space = PrimitiveSpace(names, tuple(item.parameter_space for item in usable))
+    collector = Collector(World(environment, tuple(usable)), CollectionConfig())
     steps = 0
     own_step = environment.step
 
@@ -91,8 +90,7 @@ def _collection(environment: RobosuiteEnvironment) -> float:
     environment.step = counted  # type: ignore[method-assign]
     start = time.process_time()
     for episode in range(EPISODES):
-        generator = np.random.default_rng(episode)
-        collect_episode(environment, usable, space, CollectionConfig(), generator)
+        collector.collect(np.random.default_rng(episode))
     seconds = time.process_time() - start
     environment.step = own_step  # type: ignore[method-assign]
     return seconds / steps
