@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from prime_core.contracts.observations import Observations as Observations
     from prime_core.contracts.parser import Parser as Parser
     from prime_core.contracts.parser import ParserConfig as ParserConfig
+    from prime_core.contracts.perception import Perception as Perception
+    from prime_core.contracts.perception import PerceptionConfig as PerceptionConfig
     from prime_core.contracts.policy import MotorPolicy as MotorPolicy
     from prime_core.contracts.policy import MotorPolicyConfig as MotorPolicyConfig
     from prime_core.contracts.policy import PrimitivePolicy as PrimitivePolicy
@@ -70,6 +72,8 @@ _MODULES = {
     "ParameterSpace": "contracts.calls",
     "Parser": "contracts.parser",
     "ParserConfig": "contracts.parser",
+    "Perception": "contracts.perception",
+    "PerceptionConfig": "contracts.perception",
     "PrimeError": "errors",
     "Primitive": "contracts.primitive",
     "PrimitiveCall": "contracts.calls",

@@ -51,6 +51,11 @@ def register_policies(register: Register) -> None:
 
 
 @hookspec
+def register_perceptions(register: Register) -> None:
+    """Register what tells object poses from images: subclasses of `PerceptionConfig`."""
+
+
+@hookspec
 def register_encoders(register: Register) -> None:
     """Register encoders of images: subclasses of `EncoderConfig`."""
 

@@ -20,7 +20,7 @@ EXAMPLE = ROOT / "docs" / "examples" / "hello_primitive"
 HEAVY = ("torch", "mujoco", "robosuite", "lerobot", "mink", "numba", "pyarrow", "matplotlib", "av")
 MAXIMUM_LINES = 300
 MAXIMUM_FUNCTION_LINES = 60
-MAXIMUM_FILES = 12
+MAXIMUM_FILES = 14
 MAXIMUM_FILES_AT_THE_TOP = 8
 
 ORDER = (

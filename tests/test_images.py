@@ -8,6 +8,7 @@ import pytest
 
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
+from prime_core.execution.settings import RunnerConfig
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.parse_dataset import parse_foreign
 from prime_core.experiments.reading import read_experiment
@@ -21,13 +22,12 @@ SETTINGS = (
     "demonstrations.count=2",
     "images.size=40",
     "images.frames_within=2",
-    "policies={prime: {type: prime-images, pretraining_epochs: 1, finetuning_epochs: 1, "
-    "steps_per_epoch: 10, finetuning_steps_per_epoch: 10, "
-    "perception: {epochs: 1, steps_per_epoch: 3, batch_size: 8, crop: 36}}}",
+    "perception={type: pose-network, epochs: 1, steps_per_epoch: 3, batch_size: 8, crop: 36}",
+    "idm={type: mlp-gmm, classifier_epochs: 1, parameter_epochs: 1, steps_per_epoch: 10}",
+    "policies={prime: {type: prime, pretraining_epochs: 1, finetuning_epochs: 1, "
+    "steps_per_epoch: 10, finetuning_steps_per_epoch: 10}}",
     "evaluation={trials: 1, top_checkpoints: 1, fresh_trials: 0, maximum_steps: 60}",
 )
-IDM = "idm={type: mlp-gmm-images, classifier_epochs: 1, parameter_epochs: 1, steps_per_epoch: 10, "
-IDM += "perception: {epochs: 1, steps_per_epoch: 3, batch_size: 8, crop: 36}}"
 
 
 def experiment(out: Path, *settings: str) -> Experiment:
@@ -39,15 +39,15 @@ def experiment(out: Path, *settings: str) -> Experiment:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Experiment:
     """Return the experiment with its images, made in this process."""
     job = experiment(tmp_path_factory.mktemp("images"), "compute.workers=0")
-    job.rollout_images.results()
-    job.demonstration_images.results()
+    job.images.rollouts.results()
+    job.images.demonstrations.results()
     return job
 
 
 def test_images_of_rollouts_show_the_frames_that_are_learnt_from(made: Experiment) -> None:
     environment = read_settings(EnvironmentConfig, made.demonstrations.environment).build()
     episodes = list(made.collection.episodes())
-    pictured = list(made.rollout_images.episodes())
+    pictured = list(made.images.rollouts.episodes())
     assert len(pictured) == len(episodes) == 3
     for episode, images in zip(episodes, pictured, strict=True):
         assert set(episode.rollouts[:, :2].ravel()) <= set(images.frames)
@@ -59,7 +59,7 @@ def test_images_of_rollouts_show_the_frames_that_are_learnt_from(made: Experimen
 
 
 def test_images_of_demonstrations_show_all_their_frames(made: Experiment) -> None:
-    for item, images in made.demonstration_images.load().items():
+    for item, images in made.images.demonstrations.load().items():
         frames = len(made.demonstrations.load()[item].observations)
         assert {each.shape for each in images.values()} == {(frames, 40, 40, 3)}
         assert np.asarray(images["wrist"]).std() > 5
@@ -67,20 +67,20 @@ def test_images_of_demonstrations_show_all_their_frames(made: Experiment) -> Non
 
 def test_other_workers_make_the_same_bytes(made: Experiment, tmp_path: Path) -> None:
     other = experiment(tmp_path, "compute.workers=2")
-    other.rollout_images.results()
-    for item in made.rollout_images.items():
+    other.images.rollouts.results()
+    for item in made.images.rollouts.items():
         for mine, theirs in zip(
-            made.rollout_images.outputs(item), other.rollout_images.outputs(item), strict=True
+            made.images.rollouts.outputs(item), other.images.rollouts.outputs(item), strict=True
         ):
             assert mine.read_bytes() == theirs.read_bytes()
 
 
 def test_an_image_file_that_is_damaged_is_made_anew(made: Experiment) -> None:
-    stage = made.rollout_images
+    stage = made.images.rollouts
     path = stage.outputs("0")[0]
     before = path.read_bytes()
     path.write_bytes(before[:-1] + b"x")
-    fresh = experiment(made.folder.parent, "compute.workers=0").rollout_images
+    fresh = experiment(made.folder.parent, "compute.workers=0").images.rollouts
     assert fresh.drop_damaged() == ["0"]
     fresh.results()
     assert path.read_bytes() == before
@@ -95,8 +95,19 @@ def test_no_images_are_made_where_no_model_sees_any(tmp_path: Path) -> None:
     ("settings", "expected"),
     [
         ((), ["images.rollouts", "images.demonstrations"]),
-        (("policies.prime.pretrain=false",), ["images.demonstrations"]),
-        (("policies={prime: {type: prime}}", IDM), ["images.rollouts", "images.demonstrations"]),
+        (("perceived_by=[policies]",), ["images.rollouts", "images.demonstrations"]),
+        (
+            ("perception.taught_on=demonstrations", "policies.prime.pretrain=false"),
+            ["images.rollouts", "images.demonstrations"],  # the IDM's
+        ),
+        (
+            (
+                "perceived_by=[policies]",
+                "perception.taught_on=demonstrations",
+                "policies.prime.pretrain=false",
+            ),
+            ["images.demonstrations"],
+        ),
     ],
 )
 def test_a_run_makes_the_images_that_its_models_need(
@@ -106,9 +117,27 @@ def test_a_run_makes_the_images_that_its_models_need(
     assert [name for name in stages if "images" in name] == expected
 
 
+def test_seeds_models_and_variants_share_a_perception(tmp_path: Path) -> None:
+    variants = "variants={greedy: {parser: {type: greedy}}, state: {perceived_by: [idm]}}"
+    stages = experiment(tmp_path, variants, "seeds=[1, 2]").stages
+    assert [name for name in stages if name.endswith("perception")] == ["perception"]
+
+
+@pytest.mark.parametrize("perceived_by", ["[idm]", "[policies]"])
+def test_either_model_may_see_through_the_perception(tmp_path: Path, perceived_by: str) -> None:
+    job = experiment(tmp_path, f"perceived_by={perceived_by}", "compute.workers=0")
+    (evaluation,) = job.evaluations.values()
+    assert len(evaluation.results()) == 1
+    path = evaluation.training.checkpoints("1")[0]
+    runner = RunnerConfig()
+    policy = evaluation.training.load(path, evaluation.training.build_world(), runner)
+    models = {"[idm]": job.idm.load().sees, "[policies]": policy.sees}
+    assert [name for name, sees in models.items() if "images" in sees] == [perceived_by]
+
+
 @pytest.mark.slow
 def test_a_run_from_images_throughout(tmp_path: Path) -> None:
-    done = prime(out=tmp_path, settings=[*SETTINGS, IDM, "compute.workers=0"])
+    done = prime(out=tmp_path, settings=[*SETTINGS, "compute.workers=0"])
     assert done.returncode == 0, done.stdout + done.stderr
     run = tmp_path / "lift-quick"
     made = json.loads((run / "results.json").read_text())["results"]["images.rollouts"]
@@ -116,6 +145,6 @@ def test_a_run_from_images_throughout(tmp_path: Path) -> None:
     assert "images of rollouts" in done.stdout
     # A data set holds no images: they are made of its poses, in float32 as when they were learnt.
     found = parse_foreign(run / "dataset", run, tmp_path / "parsed")
-    parsed = experiment(tmp_path, IDM).parsing.load()
+    parsed = experiment(tmp_path).parsing.load()
     for one, own in zip(found.parsed.values(), parsed.values(), strict=True):
         assert [item.start for item in one.segments] == [item.start for item in own.segments]

@@ -10,6 +10,7 @@ from prime_core.checks.encoder import check_encoder
 from prime_core.checks.environment import check_environment
 from prime_core.checks.idm import check_idm
 from prime_core.checks.parser import check_parser
+from prime_core.checks.perception import check_perception
 from prime_core.checks.policy import check_policy
 from prime_core.checks.primitive import check_primitive
 from prime_core.checks.requirement import CheckError
@@ -23,6 +24,7 @@ __all__ = [
     "check_environment",
     "check_idm",
     "check_parser",
+    "check_perception",
     "check_policy",
     "check_primitive",
     "check_scene",

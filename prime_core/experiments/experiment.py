@@ -7,12 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from prime_core.collection.rollouts import FrameConfig
 from prime_core.configuration import ConfigDump
-from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig, PrimitivePolicyConfig
 from prime_core.errors import ConfigurationError
 from prime_core.execution.settings import EvaluationConfig
+from prime_core.experiments.image_stages import image_stages
 from prime_core.experiments.run_folder.code import Code, digest_of
 from prime_core.experiments.run_folder.code_mark import CodeMark, marks_beside
 from prime_core.experiments.run_folder.contents import content_of
@@ -22,7 +21,6 @@ from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.idm import IdmTraining
-from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
 from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
 from prime_core.experiments.stages.outputs.export import Export
 from prime_core.experiments.stages.outputs.video import Video
@@ -44,6 +42,7 @@ class Experiment:
     Attributes:
         config: The experiment.
         folder: Where it keeps everything.
+        images: The stages that have to do with images.
         variants: The experiments that its variants are, by name, in the same folder.
     """
 
@@ -65,12 +64,14 @@ class Experiment:
             settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
         )
-        self.rollout_images, self.demonstration_images = self._imaging()
-        sees_images = _sees_images(config.idm)
+        images = image_stages(config, self._stage, self.collection, self.demonstrations)
+        self.images = images
+        sees_images = images.seen_by("idm", config.idm)
         self.idm = self._stage(
             IdmTraining,
             collection=self.collection,
-            rollout_images=self.rollout_images if sees_images else None,
+            rollout_images=images.rollouts if sees_images else None,
+            perception=images.perception_of("idm", config.idm),
             pairs=config.pairs.model_dump(mode="json"),
             idm=dump_choice(config.idm),
             seed=config.seed,
@@ -80,7 +81,7 @@ class Experiment:
             Parsing,
             demonstrations=self.demonstrations,
             idm=self.idm,
-            images=self.demonstration_images if sees_images else None,
+            images=images.demonstrations if sees_images else None,
             parser=dump_choice(config.parser),
         )
         self.replay = self._stage(Replaying, parsing=self.parsing)
@@ -105,26 +106,6 @@ class Experiment:
             for name, variant in config.resolved_variants.items()
         }
 
-    def _imaging(self) -> tuple[CollectionImages, DemonstrationImages]:
-        """Return the stages that make images, which run where a model sees any."""
-        config = self.config
-        cameras = config.images.model_dump(mode="json", exclude={"frames_within"})
-        frames = FrameConfig(
-            around=config.pairs.around if _sees_images(config.idm) else 0,
-            within=config.images.frames_within,
-            others=_sees_images(config.idm),
-        )
-        rollouts = self._stage(
-            CollectionImages,
-            collection=self.collection,
-            cameras=cameras,
-            frames=frames.model_dump(mode="json"),
-        )
-        shown = self._stage(
-            DemonstrationImages, demonstrations=self.demonstrations, cameras=cameras
-        )
-        return rollouts, shown
-
     def _training(self, policy: PolicyConfig) -> PrimitivePolicyTraining | MotorPolicyTraining:
         """Return the stage that trains a policy of either kind."""
         config = self.config
@@ -132,8 +113,10 @@ class Experiment:
             "policy": dump_choice(policy),
             "seeds": config.seeds,
             "device": config.compute.device,
+            "perception": self.images.perception_of("policies", policy),
         }
-        images = self.demonstration_images if _sees_images(policy) else None
+        sees_images = self.images.seen_by("policies", policy)
+        images = self.images.demonstrations if sees_images else None
         if isinstance(policy, MotorPolicyConfig):
             return self._stage(
                 MotorPolicyTraining, demonstrations=self.demonstrations, images=images, **common
@@ -143,7 +126,7 @@ class Experiment:
             PrimitivePolicyTraining,
             parsing=self.parsing,
             images=images,
-            rollout_images=self.rollout_images if images and pretrained else None,
+            rollout_images=self.images.rollouts if images and pretrained else None,
             augmentation=config.augmentation.model_dump(mode="json"),
             **common,
         )
@@ -203,10 +186,11 @@ class Experiment:
     @property
     def own_stages(self) -> dict[str, Stage]:
         """The stages without those of variants, by name, in order."""
+        trainings = [each.training for each in self.evaluations.values()]
         stages: dict[str, Stage] = {
             "demonstrations": self.demonstrations,
             "collection": self.collection,
-            **self._image_stages,
+            **self.images.needed(self.idm, self.parsing, trainings),
             "idm": self.idm,
             "parsing": self.parsing,
             "export": self.export,
@@ -216,17 +200,6 @@ class Experiment:
             stages[f"policy.{name}"] = evaluation.training
             stages[f"evaluation.{name}"] = evaluation
             stages[f"video.{name}"] = self.videos[name]
-        return stages
-
-    @property
-    def _image_stages(self) -> dict[str, Stage]:
-        """The stages that make images, by name, where a model learns from them."""
-        stages: dict[str, Stage] = {}
-        trainings = [each.training for each in self.evaluations.values()]
-        if any(each.rollout_images for each in (self.idm, *trainings)):
-            stages["images.rollouts"] = self.rollout_images
-        if any(each.images for each in (self.parsing, *trainings)):
-            stages["images.demonstrations"] = self.demonstration_images
         return stages
 
     def until(self, last: str | None) -> dict[str, Stage]:
@@ -260,10 +233,6 @@ def _version(marks: list[CodeMark], now: Code, *, remake: bool) -> str:
         return digest_of(now)
     kept = [mark.version for mark in marks if mark.is_kept_for(now)]
     return next(iter([*kept, *(mark.version for mark in marks)]), "")
-
-
-def _sees_images(config: IdmConfig | PolicyConfig) -> bool:
-    return "images" in config.modalities
 
 
 def _evaluation_settings(config: EvaluationConfig, policy: PolicyConfig) -> ConfigDump:

@@ -34,6 +34,7 @@ from prime_core.experiments.run_folder.place import PlaceError, place_error, pro
 from prime_core.experiments.slurm import jobs_watched_in_queue
 from prime_core.experiments.stages.demonstrations import Demonstrations, check_left_out
 from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.perception import PerceptionTraining
 from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.stage import Stage
 
@@ -87,7 +88,7 @@ def check_devices(stages: Iterable[Stage]) -> None:
         PrimeError: If one cannot be done.
     """
     for stage in stages:
-        if isinstance(stage, IdmTraining | PolicyTraining) and stage.missing():
+        if isinstance(stage, PerceptionTraining | IdmTraining | PolicyTraining) and stage.missing():
             stage.config.check_device(stage.device)
 
 

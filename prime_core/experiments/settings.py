@@ -2,7 +2,7 @@
 
 import re
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, TypeAdapter, field_validator, model_validator
 
@@ -19,9 +19,12 @@ from prime_core.registry.fields import (
     EnvironmentChoice,
     IdmChoice,
     ParserChoice,
+    PerceptionChoice,
     PolicyChoice,
     PrimitiveChoice,
 )
+
+ModelName = Literal["idm", "policies"]
 
 
 class CollectionPlaces(CollectionConfig):
@@ -59,6 +62,11 @@ class ExperimentConfig(Config):
     """How random rollouts are collected."""
     images: ImageConfig = ImageConfig()
     """What models that see images see through."""
+    perception: PerceptionChoice | None = None
+    """What tells object poses from images; None where models get the simulator's."""
+    perceived_by: tuple[ModelName, ...] = Field(("idm", "policies"), min_length=1)
+    """Which models get their object poses from the perception, if there is one; the others get the
+    simulator's."""
     pairs: PairConfig = PairConfig()
     """What the IDM is trained on."""
     idm: IdmChoice

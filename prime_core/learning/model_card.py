@@ -2,13 +2,15 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 
+from prime_core.contracts.observations import Observations
 from prime_core.contracts.training import CallData, ModelContext
 from prime_core.errors import WeightsError
 from prime_core.files import new_file
@@ -86,15 +88,21 @@ def _differences(found: Any, expected: Any, key: str = "") -> list[str]:
     return result
 
 
-def fingerprint(card: Card, seed: int, data: Sequence[CallData]) -> str:
-    """Return what tells a training apart: its card, its seed and its data."""
+def fingerprint(card: Card, seed: int, data: Sequence[CallData | Observations]) -> str:
+    """Return what tells a training apart: its card, its seed and its data, but for images."""
     digest = hashlib.blake2b(json.dumps([card, seed]).encode(), digest_size=16)
-    for item in data:
-        seen, labels = item.observations, (item.types, item.parameters)
-        arrays = [seen.state, seen.environment_state]
-        arrays += [array for label in labels for array in vars(label).values()]
-        for array in (*arrays, item.values, item.under_way):
-            if array is not None:
-                digest.update(repr((array.shape, array.dtype)).encode())
-                digest.update(np.ascontiguousarray(array).data)
+    for array in (array for item in data for array in _arrays(item)):
+        if array is not None:
+            digest.update(repr((array.shape, array.dtype)).encode())
+            digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()
+
+
+def _arrays(data: CallData | Observations) -> Iterator[NDArray[Any] | None]:
+    if isinstance(data, Observations):
+        yield from (data.state, data.environment_state)
+        return
+    yield from _arrays(data.observations)
+    for labels in (data.types, data.parameters):
+        yield from vars(labels).values()
+    yield from (data.values, data.under_way)

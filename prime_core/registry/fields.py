@@ -10,6 +10,7 @@ from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.images import EncoderConfig
 from prime_core.contracts.parser import ParserConfig
+from prime_core.contracts.perception import PerceptionConfig
 from prime_core.contracts.policy import PolicyConfig
 from prime_core.contracts.primitive import PrimitiveConfig
 from prime_core.errors import ConfigurationError, PluginError, PrimeError, UnknownTypeError
@@ -96,6 +97,9 @@ ParserChoice = Annotated[SerializeAsAny[ParserConfig], *_choice("parser")]
 
 
 PolicyChoice = Annotated[SerializeAsAny[PolicyConfig], *_choice("policy")]
+
+
+PerceptionChoice = Annotated[SerializeAsAny[PerceptionConfig], *_choice("perception")]
 
 
 EncoderChoice = Annotated[SerializeAsAny[EncoderConfig], *_choice("encoder")]

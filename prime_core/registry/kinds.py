@@ -8,6 +8,7 @@ from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.images import EncoderConfig
 from prime_core.contracts.parser import ParserConfig
+from prime_core.contracts.perception import PerceptionConfig
 from prime_core.contracts.policy import PolicyConfig
 from prime_core.contracts.primitive import PrimitiveConfig
 
@@ -27,5 +28,6 @@ KINDS = {
     "idm": Kind(IdmConfig, "register_idms"),
     "parser": Kind(ParserConfig, "register_parsers"),
     "policy": Kind(PolicyConfig, "register_policies"),
+    "perception": Kind(PerceptionConfig, "register_perceptions"),
     "encoder": Kind(EncoderConfig, "register_encoders"),
 }

@@ -35,6 +35,7 @@ def test_settings_are_made_without_torch() -> None:
         "import sys, prime_policies\n"
         "prime_policies.register_idms(lambda name, config: config())\n"
         "prime_policies.register_policies(lambda name, config: config())\n"
+        "prime_policies.register_perceptions(lambda name, config: config())\n"
         "prime_policies.register_encoders(lambda name, config: config())\n"
         "print('torch' in sys.modules)"
     )

@@ -26,9 +26,10 @@ def _figures(results: dict[str, Any]) -> Figures:
         found["demonstrations left out"] = f"{len(left_out)} of {total}"
     if "collection" in results:
         found |= _collection(results["collection"])
+    found |= _images(results)
+    found |= _perception(results.get("perception", {}))
     if "idm" in results:
         found |= _idm(results["idm"])
-    found |= _images(results)
     if "replay" in results:
         found["replay success"] = f"{results['replay']['with_other']['success']:.3f}"
         if "without_other" in results["replay"]:
@@ -65,6 +66,20 @@ def _images(results: dict[str, Any]) -> Figures:
                 f"{made['images']:,}, {made['bytes_per_image'] / 1000:.1f} kB each, "
                 f"{made['images_per_process_second']:.0f} a second and process"
             )
+    return found
+
+
+def _perception(values: dict[str, Any]) -> Figures:
+    found = {}
+    for name, errors in values.get("objects", {}).items():
+        places = [
+            f"{errors[key]['median']:.1f} (90 %: {errors[key]['p90']:.1f}) mm{where}"
+            for key, where in (("position_mm", ""), ("near_gripper_mm", " near the gripper"))
+            if errors[key]["median"] is not None
+        ]
+        if "yaw_degrees" in errors:
+            places.append(f"{errors['yaw_degrees']:.1f} °")
+        found[f"median error of the perceived {name}"] = ", ".join(places)
     return found
 
 

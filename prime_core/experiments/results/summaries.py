@@ -16,6 +16,7 @@ from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.idm import IdmTraining
 from prime_core.experiments.stages.images import ImageStage
 from prime_core.experiments.stages.parsing import Parsing
+from prime_core.experiments.stages.perception import PerceptionTraining
 from prime_core.experiments.stages.replay import Replaying
 from prime_core.experiments.stages.stage import Result, Stage
 
@@ -70,6 +71,12 @@ def _(stage: ImageStage) -> Summary:
         "bytes_per_image": round(sum(each["bytes"] for each in results) / max(images, 1)),
         "images_per_process_second": round(images / seconds, 1),
     }
+
+
+@summarise.register
+def _(stage: PerceptionTraining) -> Summary:
+    """Return how many frames it was taught on, and its held-out errors."""
+    return {name: value for name, value in stage.results()[0].items() if name not in BESIDE}
 
 
 @summarise.register

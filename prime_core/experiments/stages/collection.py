@@ -18,6 +18,9 @@ from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.registry.building import build_world
 from prime_core.seeds import Stream, generator_of
 
+HELD_OUT_SHARE = 0.1
+"""Share of episodes, the last ones, that models are tested on and do not learn from."""
+
 
 class Collection(Stage):
     """Rollouts of random primitives and motor actions, by shards of a few episodes."""
@@ -34,6 +37,15 @@ class Collection(Stage):
     def config(self) -> CollectionConfig:
         """How to collect, but for where."""
         return CollectionConfig.model_validate(self.settings)
+
+    @property
+    def first_held_out(self) -> int:
+        """Number of the first episode that models are tested on and do not learn from.
+
+        That of the one after the last where there are too few for any.
+        """
+        count = self.config.episodes
+        return max(1, count - round(count * HELD_OUT_SHARE))
 
     def build_world(self) -> World:
         """Build where the first episode is collected; the others' worlds have the same models."""

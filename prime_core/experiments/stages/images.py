@@ -1,14 +1,15 @@
 """The stages that make images that models learn from, out of what was recorded without any."""
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from prime_core.arrays import Indices
-from prime_core.collection.rollouts import EpisodeImages, FrameConfig, learnt_frames
+from prime_core.collection.rollouts import EpisodeImages, FrameConfig, RolloutTable, learnt_frames
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Environment, EnvironmentConfig
@@ -34,6 +35,19 @@ class ImageStage(Stage):
     def config(self) -> CameraConfig:
         """Which cameras."""
         return CameraConfig.model_validate(self.cameras)
+
+    @property
+    @abstractmethod
+    def environment(self) -> ConfigDump:
+        """An environment that the images are of."""
+
+    @abstractmethod
+    def frames_to_learn(self) -> Observations:
+        """Return the frames with images that models learn from; images are unread."""
+
+    @abstractmethod
+    def held_out_frames(self) -> Observations | None:
+        """Return frames with images that models are tested on, or None if there are none."""
 
     def file(self, item: str, camera: str) -> Path:
         """Return where an item's images of a camera are kept."""
@@ -78,8 +92,14 @@ class CollectionImages(ImageStage):
 
     unit: ClassVar[str] = "shards"
 
+    kind: Literal["rollouts"] = "rollouts"
     collection: Collection
     frames: ConfigDump
+
+    @property
+    def environment(self) -> ConfigDump:
+        """The first one that was collected in."""
+        return self.collection.environments[0]
 
     @property
     def chosen(self) -> FrameConfig:
@@ -124,13 +144,33 @@ class CollectionImages(ImageStage):
                     chosen = {name: each.chosen(rows) for name, each in images.items()}
                     yield EpisodeImages(frames[rows], chosen)
 
+    def table(self, start: int = 0, end: int | None = None) -> RolloutTable:
+        """Return the rollouts of episodes, and the frames that have images."""
+        episodes = self.collection.episodes(start, end)
+        return RolloutTable(episodes, self.chosen, self.episodes(start, end))
+
+    def frames_to_learn(self) -> Observations:
+        """Return those of all episodes but the held-out ones."""
+        return self.table(end=self.collection.first_held_out).observations
+
+    def held_out_frames(self) -> Observations | None:
+        """Return those of the held-out episodes."""
+        first = self.collection.first_held_out
+        return None if first == self.collection.config.episodes else self.table(first).observations
+
 
 class DemonstrationImages(ImageStage):
     """Images of all frames of demonstrations, one an item."""
 
     unit: ClassVar[str] = "demonstrations"
 
+    kind: Literal["demonstrations"] = "demonstrations"
     demonstrations: Demonstrations
+
+    @property
+    def environment(self) -> ConfigDump:
+        """The task's."""
+        return self.demonstrations.environment
 
     def items(self) -> list[str]:
         """Return the demonstrations' numbers."""
@@ -138,7 +178,7 @@ class DemonstrationImages(ImageStage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Make the images of demonstrations."""
-        environment = read_settings(EnvironmentConfig, self.demonstrations.environment).build()
+        environment = read_settings(EnvironmentConfig, self.environment).build()
         shown = self.demonstrations.load()
         for item in items:
             if item not in shown:
@@ -154,6 +194,14 @@ class DemonstrationImages(ImageStage):
         """Return the images of all demonstrations that can be used, by their items, unread."""
         pairs = zip(self.items(), self.results(), strict=True)
         return {item: self.read(item) for item, result in pairs if LEFT_OUT not in result}
+
+    def frames_to_learn(self) -> Observations:
+        """Return those of all demonstrations: of so few none can be spared."""
+        shown = with_images(self.demonstrations, self)
+        return Observations.join([one.observations for one in shown.values()])
+
+    def held_out_frames(self) -> None:
+        """Return None: there are no others."""
 
 
 def with_images(

@@ -1,6 +1,7 @@
 """The stage that trains policies over motor actions."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -14,6 +15,7 @@ from prime_core.experiments.stages.images import with_images
 from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.stage import Result
+from prime_core.learning.perceived import PerceivedMotorPolicy
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
 
@@ -39,8 +41,13 @@ class MotorPolicyTraining(PolicyTraining):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""
-        world = self.build_world()
+        world, perception = self.build_world(), self.load_perception()
         demonstrations = [*with_images(self.demonstrations, self.images).values()]
+        if perception is not None:
+            demonstrations = [
+                replace(one, observations=perception.see(one.observations))
+                for one in demonstrations
+            ]
         for item in items:
             context = self.training_context(world, item)
             checkpoints = self.config.fit(demonstrations, context)
@@ -48,7 +55,11 @@ class MotorPolicyTraining(PolicyTraining):
 
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
         """Load a checkpoint; it makes no calls, so that the runner's settings mean nothing."""
-        return self.config.load(checkpoint, self.context(world))
+        policy, perception = (
+            self.config.load(checkpoint, self.context(world)),
+            self.load_perception(),
+        )
+        return policy if perception is None else PerceivedMotorPolicy(perception, policy)
 
 
 AnyPolicyTraining = Annotated[

@@ -5,11 +5,13 @@ from pathlib import Path
 from typing import ClassVar
 
 from prime_core.configuration import ConfigDump
+from prime_core.contracts.perception import Perception
 from prime_core.contracts.policy import MotorPolicy, PolicyConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
 from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
+from prime_core.experiments.stages.perception import PerceptionTraining
 from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Stage
 
 
@@ -22,9 +24,11 @@ class PolicyTraining(Stage):
     policy: ConfigDump
     seeds: tuple[int, ...]
     images: DemonstrationImages | None = None
-    """Of the demonstrations, where the policy sees images."""
+    """Of the demonstrations, where the policy or the perception before it sees images."""
     rollout_images: CollectionImages | None = None
     """Of the rollouts, where it is pretrained on images."""
+    perception: PerceptionTraining | None = None
+    """What tells the policy object poses; None for the simulator."""
     device: str = "auto"
     _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = DEVICE_IS_NO_IDENTITY
 
@@ -62,7 +66,12 @@ class PolicyTraining(Stage):
 
     def context(self, world: World) -> ModelContext:
         """Return where the policy is used."""
-        return world.context(self.device, None if self.images is None else self.images.config)
+        images = self.images if "images" in self.config.modalities else None
+        return world.context(self.device, None if images is None else images.config)
+
+    def load_perception(self) -> Perception | None:
+        """Return what tells the policy object poses, or None for the simulator."""
+        return None if self.perception is None else self.perception.load()
 
     def training_context(self, world: World, item: str) -> TrainingContext:
         """Return where and how the policy of a seed is trained."""

@@ -7,6 +7,7 @@ from typing import Literal
 from prime_core.collection.rollouts import RolloutTable
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.policy import PrimitivePolicyConfig
+from prime_core.contracts.training import CallData
 from prime_core.errors import PrimeError
 from prime_core.execution.runner import PrimitiveRunner
 from prime_core.execution.settings import RunnerConfig
@@ -15,6 +16,7 @@ from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.stage import Result
 from prime_core.learning.augmentation import AugmentationConfig, augmented_calls, rollout_calls
+from prime_core.learning.perceived import PerceivedPolicy, perceived_calls
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
 from prime_core.seeds import Stream, generator_of
@@ -39,17 +41,13 @@ class PrimitivePolicyTraining(PolicyTraining):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""
-        config, world = self.config, self.build_world()
-        parsed = [*self.parsing.load(self.images).values()]
+        config, world, perception = self.config, self.build_world(), self.load_perception()
+        # An IDM of images looks at the demonstrations once more.
+        parsed = [*self.parsing.load(self.images or self.parsing.images).values()]
         idm = self.parsing.idm.load()
-        rollouts = None
-        if config.pretrain:
-            episodes, pictured = self.parsing.idm.collection.episodes(), self.rollout_images
-            if pictured is None:
-                table = RolloutTable(episodes)
-            else:
-                table = RolloutTable(episodes, pictured.chosen, pictured.episodes())
-            rollouts = rollout_calls(table)
+        rollouts = self._rollouts() if config.pretrain else None
+        if rollouts is not None and perception is not None:
+            rollouts = perceived_calls(perception, rollouts)
         settings = AugmentationConfig.model_validate(self.augmentation)
         for item in items:
             generator = generator_of(Stream.POLICY, int(item))
@@ -60,11 +58,23 @@ class PrimitivePolicyTraining(PolicyTraining):
                     "there is nothing for a policy to learn from: look at the parsed "
                     "demonstrations, collect more rollouts, or add the primitive that is missing"
                 )
+            if perception is not None:
+                data = perceived_calls(perception, data)
             context = self.training_context(world, item)
             checkpoints = config.fit(rollouts, data, context)
             yield {"checkpoints": [str(path.relative_to(self.folder)) for path in checkpoints]}
 
+    def _rollouts(self) -> CallData:
+        if self.rollout_images is not None:
+            return rollout_calls(self.rollout_images.table())
+        return rollout_calls(RolloutTable(self.parsing.idm.collection.episodes()))
+
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> PrimitiveRunner:
         """Load a checkpoint with the runner that makes its calls; see `PolicyTraining`."""
-        policy = self.config.load(checkpoint, self.context(world))
+        policy, perception = (
+            self.config.load(checkpoint, self.context(world)),
+            self.load_perception(),
+        )
+        if perception is not None:
+            policy = PerceivedPolicy(perception, policy)
         return PrimitiveRunner(policy, world.primitives, world.description, runner)

@@ -10,22 +10,26 @@ from prime_core.hookspecs import Register, hookimpl
 
 @hookimpl
 def register_idms(register: Register) -> None:
-    """Register the inverse dynamics models ``mlp-gmm`` and ``mlp-gmm-images``."""
+    """Register the inverse dynamics model ``mlp-gmm``."""
     from prime_policies.idm.config import MlpGmmIdmConfig
-    from prime_policies.perception.config import ImageIdmConfig
 
     register("mlp-gmm", MlpGmmIdmConfig)
-    register("mlp-gmm-images", ImageIdmConfig)
 
 
 @hookimpl
 def register_policies(register: Register) -> None:
-    """Register the policies ``prime`` and ``prime-images``."""
-    from prime_policies.perception.config import ImagePolicyConfig
+    """Register the policy ``prime``."""
     from prime_policies.primitive_policy.config import PrimePolicyConfig
 
     register("prime", PrimePolicyConfig)
-    register("prime-images", ImagePolicyConfig)
+
+
+@hookimpl
+def register_perceptions(register: Register) -> None:
+    """Register the perception ``pose-network``."""
+    from prime_policies.perception.config import PoseNetworkConfig
+
+    register("pose-network", PoseNetworkConfig)
 
 
 @hookimpl

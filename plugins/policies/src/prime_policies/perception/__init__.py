@@ -1,4 +1,4 @@
-"""Models of images: where things are, told from images, for the networks that see object poses.
+"""The perception ``pose-network``: a network tells object poses from images.
 
-Another way to see is a module here, beside `perception`; settings load no torch.
+Another perception gets a folder of its own beside this one; settings load no torch.
 """

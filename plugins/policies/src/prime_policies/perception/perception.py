@@ -1,6 +1,5 @@
 """Trains and runs the network that tells object poses from images."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
@@ -9,24 +8,26 @@ import torch
 from torch import Tensor
 
 from prime_core.contracts.observations import Observations
-from prime_core.contracts.training import CallData, ModelContext, TrainingContext
+from prime_core.contracts.perception import Perception
+from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_core.errors import DatasetError
 from prime_core.learning.model_card import check_card, fingerprint, make_card, write_card
 from prime_policies.perception.pose_network import ImageBatch, PoseNetwork
-from prime_policies.perception.settings import PerceptionSettings
+from prime_policies.perception.settings import PoseNetworkSettings
 from prime_policies.training.loop import Trainer
 from prime_policies.training.repeatable import first_weights, threads
 from prime_policies.training.weights import load_weights
 
+KIND = "pose-network"
 NAME = "perception"
-"""Of the folder that it is kept in, beside the checkpoints of the model that sees through it."""
-VERSION = 1  # of the weights
+"""Of the training, and of the file of weights."""
+VERSION = 2  # of the weights
 ROBOT_WIDTH = 6  # numbers of the robot's state that it sees beside images
 AT_ONCE = 256  # instants whose images are in memory
 
 
-class Perception:
-    """Sees through cameras: gives observations of images the object poses that it tells from them.
+class PosePerception(Perception):
+    """Sees through cameras, and tells the object poses that a `PoseNetwork` finds.
 
     Args:
         settings: The network.
@@ -37,9 +38,9 @@ class Perception:
         DatasetError: If there are no cameras.
     """
 
-    def __init__(self, settings: PerceptionSettings, context: ModelContext, seed: int) -> None:
+    def __init__(self, settings: PoseNetworkSettings, context: ModelContext, seed: int) -> None:
         if context.cameras is None:
-            raise DatasetError("a model of images was given no cameras to see through")
+            raise DatasetError("a perception was given no cameras to see through")
         self.settings, self.cameras = settings, context.cameras
         with first_weights(seed, NAME):
             encoders = [
@@ -50,48 +51,49 @@ class Perception:
                 encoders, settings.crop, settings.hidden, ROBOT_WIDTH, objects
             )
         dump = {**settings.model_dump(mode="json"), "images": self.cameras.model_dump(mode="json")}
-        self.card = make_card(NAME, VERSION, dump, context)
+        self.card = make_card(KIND, VERSION, dump, context)
 
     @classmethod
-    def fit(cls, settings: PerceptionSettings, data: CallData, context: TrainingContext) -> Self:
-        """Train it on all instants of some data, whose object poses and images are known.
+    def fit(
+        cls, settings: PoseNetworkSettings, seen: Observations, context: TrainingContext
+    ) -> Self:
+        """Train it on instants whose object poses and images are known.
 
         Raises:
             DatasetError: If they are not.
             PrimeError: If the training diverges; see `Trainer.train`.
         """
-        seen, folder = data.observations, context.folder / NAME
         result = cls(settings, context, context.seed)
         if seen.environment_state is None or not seen.images:
             raise DatasetError(
-                "what a model of images learns from has no "
+                "what a perception learns from has no "
                 + ("images" if seen.environment_state is not None else "object poses")
             )
         examples = _Instants(seen, result)
         result.network.measure(examples.robot, examples.targets)
-        identity = fingerprint(result.card, context.seed, [data])
-        trainer = Trainer(replace(context, folder=folder), identity, settings.epochs)
+        identity = fingerprint(result.card, context.seed, [seen])
+        trainer = Trainer(context, identity, settings.epochs)
         trainer.train(NAME, result.network, examples, settings, settings.epochs)
-        write_card(folder, result.card)
+        write_card(context.folder, result.card)
         result.network.eval()
         return result
 
     @classmethod
-    def load(cls, settings: PerceptionSettings, folder: Path, context: ModelContext) -> Self:
-        """Load what `fit` left beside a model's checkpoints.
+    def load(cls, settings: PoseNetworkSettings, folder: Path, context: ModelContext) -> Self:
+        """Load what `fit` left.
 
         Raises:
             WeightsError: If there is none, or another one.
         """
         result = cls(settings, context, seed=0)
-        check_card(folder / NAME, result.card)
-        load_weights(result.network, folder / NAME / f"{NAME}.safetensors")
+        check_card(folder, result.card)
+        load_weights(result.network, folder / f"{NAME}.safetensors")
         result.network.eval()
         return result
 
     @torch.inference_mode()
     def see(self, seen: Observations) -> Observations:
-        """Return observations with object poses told from images, whatever poses there were."""
+        """Return instants with the poses of upright objects; see `Perception`."""
         states = []
         with threads():
             for start in range(0, len(seen), AT_ONCE):
@@ -99,10 +101,6 @@ class Perception:
                 found = self.network(self.images(part), _robot(part))
                 states.append(self.network.environment_state(found))
         return Observations(seen.state, np.concatenate(states))
-
-    def through(self, data: CallData) -> CallData:
-        """Return data as it is seen."""
-        return replace(data, observations=self.see(data.observations))
 
     def images(self, seen: Observations) -> Tensor:
         """Read the images of instants, ``(n, cameras, H, W, 3)`` uint8."""
@@ -113,7 +111,7 @@ class Perception:
 class _Instants:
     """Instants to draw batches from; their images are read when they are drawn."""
 
-    def __init__(self, seen: Observations, perception: Perception) -> None:
+    def __init__(self, seen: Observations, perception: PosePerception) -> None:
         self._seen, self._perception = seen, perception
         self.robot = _robot(seen)
         self.targets = torch.from_numpy(perception.network.targets(seen))

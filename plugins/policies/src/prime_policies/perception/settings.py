@@ -1,19 +1,15 @@
-"""What models of images may be told about how they see."""
+"""Settings of the network that tells object poses from images."""
 
 from pydantic import Field
 
 from prime_core.configuration import Count
-from prime_core.contracts.observations import Modality
 from prime_core.registry.fields import EncoderChoice
 from prime_policies.encoders.config import SmallCnnConfig
 from prime_policies.training.settings import TrainingSettings
 
-SEES: tuple[Modality, ...] = ("proprioception", "images")
-"""What models see that see through a perception."""
 
-
-class PerceptionSettings(TrainingSettings):
-    """The network that tells object poses from images, and how it is trained."""
+class PoseNetworkSettings(TrainingSettings):
+    """How large the network is, and how it is trained."""
 
     encoder: EncoderChoice = SmallCnnConfig()
     """Of the images, one for each camera: ``resnet18`` as in the paper, where there is a GPU."""

@@ -1,0 +1,120 @@
+"""The stages that models of images depend on, and which models are such."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from prime_core.collection.rollouts import FrameConfig
+from prime_core.contracts.idm import IdmConfig
+from prime_core.contracts.policy import PolicyConfig
+from prime_core.experiments.settings import ExperimentConfig, ModelName
+from prime_core.experiments.stages.collection import Collection
+from prime_core.experiments.stages.demonstrations import Demonstrations
+from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
+from prime_core.experiments.stages.parsing import Parsing
+from prime_core.experiments.stages.perception import PerceptionTraining
+from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.stage import Stage
+from prime_core.registry.fields import dump_choice
+
+
+@dataclass(frozen=True)
+class ImageStages:
+    """The stages that make images, and the one that trains what tells object poses from them.
+
+    They run where a model needs them.
+
+    Attributes:
+        config: The experiment.
+        rollouts: Makes images of rollouts.
+        demonstrations: Makes images of demonstrations.
+        perception: Trains the perception; None if none is asked for.
+    """
+
+    config: ExperimentConfig
+    rollouts: CollectionImages
+    demonstrations: DemonstrationImages
+    perception: PerceptionTraining | None
+
+    def perception_of(
+        self, name: ModelName, config: IdmConfig | PolicyConfig
+    ) -> PerceptionTraining | None:
+        """Return what tells a model object poses; None for the simulator, or if it needs none."""
+        return self.perception if _is_perceived(self.config, name, config) else None
+
+    def seen_by(self, name: ModelName, config: IdmConfig | PolicyConfig) -> bool:
+        """Whether a model sees images, itself or through the perception."""
+        return _sees_images(self.config, name, config)
+
+    def needed(
+        self, idm: IdmTraining, parsing: Parsing, trainings: Iterable[PolicyTraining]
+    ) -> dict[str, Stage]:
+        """Return those that the models of some stages need, by name."""
+        used: list[Stage | None] = [idm.rollout_images, parsing.images]
+        for training in trainings:
+            used += [training.rollout_images, training.images]
+        if self.perception is not None:
+            used.append(self.perception.images)
+        stages: dict[str, Stage] = {}
+        if any(isinstance(stage, CollectionImages) for stage in used):
+            stages["images.rollouts"] = self.rollouts
+        if any(isinstance(stage, DemonstrationImages) for stage in used):
+            stages["images.demonstrations"] = self.demonstrations
+        if self.perception is not None:
+            stages["perception"] = self.perception
+        return stages
+
+
+def image_stages(
+    config: ExperimentConfig,
+    make: Callable[..., Any],
+    collection: Collection,
+    demonstrations: Demonstrations,
+) -> ImageStages:
+    """Make the stages of an experiment that have to do with images.
+
+    Args:
+        config: The experiment.
+        make: Makes a stage of a class and its fields.
+        collection: Where rollouts come from.
+        demonstrations: Where demonstrations come from.
+    """
+    cameras = config.images.model_dump(mode="json", exclude={"frames_within"})
+    pairs = _sees_images(config, "idm", config.idm)
+    frames = FrameConfig(
+        around=config.pairs.around if pairs else 0,
+        within=config.images.frames_within,
+        others=pairs,
+    )
+    rollouts = make(
+        CollectionImages,
+        collection=collection,
+        cameras=cameras,
+        frames=frames.model_dump(mode="json"),
+    )
+    shown = make(DemonstrationImages, demonstrations=demonstrations, cameras=cameras)
+    perception = None
+    if config.perception is not None:
+        perception = make(
+            PerceptionTraining,
+            images=rollouts if config.perception.taught_on == "rollouts" else shown,
+            perception=dump_choice(config.perception),
+            seed=config.seed,
+            device=config.compute.device,
+        )
+    return ImageStages(config, rollouts, shown, perception)
+
+
+def _is_perceived(
+    experiment: ExperimentConfig, name: ModelName, config: IdmConfig | PolicyConfig
+) -> bool:
+    needs_poses = "images" not in config.modalities
+    asked_for = experiment.perception is not None and name in experiment.perceived_by
+    return needs_poses and asked_for
+
+
+def _sees_images(
+    experiment: ExperimentConfig, name: ModelName, config: IdmConfig | PolicyConfig
+) -> bool:
+    return "images" in config.modalities or _is_perceived(experiment, name, config)
