@@ -68,7 +68,7 @@ def _matrices(kind: torch.dtype) -> Callable[[], object]:
 def _step(config: EncoderConfig, numbers: str) -> Callable[[], object]:
     network = config.build(CROPPED, CROPPED)
     pictures = torch.randint(256, (BATCH, SIDE, SIDE, 3), dtype=torch.uint8)
-    given = crop(pictures, CROPPED, CROPPED, torch.Generator())
+    given = crop(pictures, CROPPED, CROPPED, torch.Generator()).parts
 
     def step() -> None:
         with nullcontext() if numbers == "float32" else precision(CPU):

@@ -81,13 +81,13 @@ def test_a_small_cnn_learns_where_a_coloured_square_is() -> None:
         for _ in range(120):
             chosen = torch.randint(512, (16,), generator=generator)
             with precision(device):
-                found = network(crop(pictures[chosen], SIDE, SIDE, None))
+                found = network(crop(pictures[chosen], SIDE, SIDE, None).parts)
             loss = (found - (places[chosen] - middle) / SIDE).abs().mean()
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()
         with torch.inference_mode():
-            found = network.eval()(crop(pictures[512:], SIDE, SIDE, None)) * SIDE + middle
+            found = network.eval()(crop(pictures[512:], SIDE, SIDE, None).parts) * SIDE + middle
     errors = (found - places[512:]).norm(dim=-1)
     by_mean = (middle - places[512:]).norm(dim=-1)
     assert by_mean.median() > 25
@@ -116,7 +116,7 @@ def corners_of(parts: Tensor) -> Tensor:
 
 def test_crops_are_pieces_of_their_pictures_each_from_anywhere() -> None:
     pictures = numbered(200, 20, 31)
-    parts = crop(pictures, 17, 24, torch.Generator().manual_seed(1))
+    parts, places = crop(pictures, 17, 24, torch.Generator().manual_seed(1))
     assert parts.shape == (200, 3, 17, 24)
     assert parts.dtype == torch.float32
     assert parts.is_contiguous(memory_format=torch.channels_last)
@@ -124,23 +124,27 @@ def test_crops_are_pieces_of_their_pictures_each_from_anywhere() -> None:
     assert {*corners[:, 0].tolist()} == set(range(4))
     assert {*corners[:, 1].tolist()} == set(range(8))
     assert len({*map(tuple, corners.tolist())}) > 24  # rows and columns are drawn apart
+    middles = corners + torch.tensor([17, 24]) / 2 - torch.tensor([20, 31]) / 2
+    expected = (middles / (torch.tensor([20, 31]) / 2)).flip(1)  # to the right, and below
+    assert torch.allclose(places, expected, atol=1e-6)
 
 
 def test_crops_follow_from_the_generator() -> None:
     pictures = numbered(8, 84, 84)
     first, same, other = (
-        crop(pictures, 76, 76, torch.Generator().manual_seed(seed)) for seed in (5, 5, 6)
+        crop(pictures, 76, 76, torch.Generator().manual_seed(seed)).parts for seed in (5, 5, 6)
     )
     assert torch.equal(first, same)
     assert not torch.equal(first, other)
 
 
 def test_without_a_generator_the_centre_is_taken() -> None:
-    parts = crop(numbered(3, 84, 90), 76, 76, None)
+    parts, places = crop(numbered(3, 84, 90), 76, 76, None)
+    assert torch.equal(places, torch.zeros(3, 2))
     assert corners_of(parts).tolist() == [[4, 7]] * 3
-    whole = crop(numbered(2, 6, 5), 6, 5, torch.Generator().manual_seed(0))
+    whole = crop(numbered(2, 6, 5), 6, 5, torch.Generator().manual_seed(0)).parts
     assert corners_of(whole).tolist() == [[0, 0]] * 2
-    assert float(crop(torch.full((1, 2, 2, 3), 255).byte(), 1, 1, None).max()) == 1.0
+    assert float(crop(torch.full((1, 2, 2, 3), 255).byte(), 1, 1, None).parts.max()) == 1.0
 
 
 def test_a_crop_larger_than_the_picture_is_refused() -> None:
@@ -154,7 +158,7 @@ def test_in_bfloat16_features_and_gradients_stay_float32(monkeypatch: pytest.Mon
     kinds = set()
     network.maps.register_forward_hook(lambda _, given, found: kinds.add(found.dtype))
     with precision(torch.device("cpu")):
-        features = network(crop(numbered(2, 80, 80), 76, 76, None))
+        features = network(crop(numbered(2, 80, 80), 76, 76, None).parts)
     features.sum().backward()
     assert kinds == {torch.bfloat16}
     assert features.dtype == torch.float32

@@ -17,6 +17,10 @@ from prime_policies.training.devices import precision
 
 YAW_WEIGHT, HELD_WEIGHT = 0.3, 0.1
 """In the loss, of a position 1: places are what most parameters follow from."""
+LINEAR_FROM = 0.1
+"""Of a position's miss, over the spread of positions: beyond it the loss grows with the miss, not
+its square. With 1, misses of centimetres hardly count: after 1,000 steps on PickPlace 15 mm in the
+median, where they are 10 mm with this."""
 LEAST_SPREAD = 1e-3  # of what the robot's state and the targets are divided by
 
 
@@ -62,7 +66,7 @@ class PoseNetwork(Network):
         self.robot_mean, self.robot_scale = (nn.Buffer(torch.zeros(robot)) for _ in range(2))
         shape = (len(objects), 3)
         self.mean, self.scale = (nn.Buffer(torch.zeros(shape)) for _ in range(2))
-        width = sum(int(item.width) for item in encoders) + robot
+        width = sum(int(item.width) + 2 for item in encoders) + robot
         self.layers = nn.Sequential(
             nn.Linear(width, hidden), nn.ReLU(), nn.Linear(hidden, 6 * len(objects))
         )
@@ -86,10 +90,10 @@ class PoseNetwork(Network):
             robot: ``(n, R)``.
             generator: Of the crops; None for the centre.
         """
-        seen = [
-            encoder(crop(images[:, camera], self._size, self._size, generator))
-            for camera, encoder in enumerate(self.encoders)
-        ]
+        seen = []
+        for camera, encoder in enumerate(self.encoders):
+            crops = crop(images[:, camera], self._size, self._size, generator)
+            seen += [encoder(crops.parts), crops.places]
         seen.append((robot - self.robot_mean) / self.robot_scale)
         return self.layers(torch.cat(seen, dim=1)).unflatten(1, (-1, 6))
 
@@ -98,7 +102,7 @@ class PoseNetwork(Network):
         with precision(batch.robot.device):
             found = self(batch.images, batch.robot, generator).float()
         places = (batch.targets[..., :3] - self.mean) / self.scale
-        place = functional.smooth_l1_loss(found[..., :3], places)
+        place = functional.smooth_l1_loss(found[..., :3], places, beta=LINEAR_FROM)
         yaw = (found[..., 3:5] - batch.targets[..., 3:5]).square().mean(dim=-1) * self.turns
         held = functional.binary_cross_entropy_with_logits(found[..., 5], batch.targets[..., 5])
         return place + YAW_WEIGHT * yaw.mean() + HELD_WEIGHT * held
