@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import ConfigDump
@@ -13,6 +14,7 @@ from prime_core.execution.world import World
 from prime_core.experiments.compatibility import check_environments
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.running import run_experiment
 from prime_core.experiments.stages import collection
 from prime_core.experiments.stages.collection import Collection
 from prime_core.registry.building import build_world
@@ -109,3 +111,13 @@ def test_a_variants_environments_are_told_by_its_name(tmp_path: Path) -> None:
     config = read_experiment(EXPERIMENTS / "lift_quick.yaml", [setting])
     with pytest.raises(ConfigurationError, match=r"^variants\.milk\.collection\.environments\.0: "):
         check_environments(Experiment(config, tmp_path))
+
+
+def test_primitives_of_one_name_are_refused_before_anything_is_made(tmp_path: Path) -> None:
+    twice = "variants.more.primitives=[{type: scripted/reach}, {type: scripted/reach}]"
+    config = read_experiment(EXPERIMENTS / "lift_quick.yaml", [twice])
+    with pytest.raises(
+        ConfigurationError, match=r"^variants\.more\.primitives: two of them are named 'reach'"
+    ):
+        run_experiment(Experiment(config, tmp_path), Console())
+    assert not [*tmp_path.rglob("*.*")]

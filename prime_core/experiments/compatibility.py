@@ -1,4 +1,4 @@
-"""Makes sure that what is learnt in other environments can be used in the task's."""
+"""Makes sure that an experiment's parts go together, before hours of work."""
 
 from collections.abc import Iterator
 
@@ -7,7 +7,31 @@ from prime_core.contracts.calls import ParameterSpace
 from prime_core.errors import ConfigurationError
 from prime_core.execution.world import World
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.settings import ExperimentConfig
 from prime_core.registry.building import build_world
+from prime_core.registry.fields import dump_choice
+
+
+def check_primitives(config: ExperimentConfig) -> None:
+    """Make sure that the task's environment and the primitives can be built, and are told apart.
+
+    Args:
+        config: With its variants.
+
+    Raises:
+        ConfigurationError: If two primitives have the same name.
+    """
+    members = {"": config}
+    members |= {f"variants.{name}.": item for name, item in config.resolved_variants.items()}
+    seen = []
+    for prefix, member in members.items():
+        parts = dump_choice(member.environment), tuple(map(dump_choice, member.primitives))
+        if parts not in seen:
+            seen.append(parts)
+            try:
+                build_world(*parts)
+            except ConfigurationError as error:
+                raise ConfigurationError(f"{prefix}{error}") from error
 
 
 def check_environments(experiment: Experiment) -> None:

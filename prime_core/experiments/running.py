@@ -16,7 +16,7 @@ from submitit.core.utils import FailedJobError, UncompletedJobError
 from submitit.local import local
 
 from prime_core.errors import PrimeError
-from prime_core.experiments.compatibility import check_environments
+from prime_core.experiments.compatibility import check_environments, check_primitives
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.progress_bar import _progress
 from prime_core.experiments.reading import dump_experiment, read_experiment
@@ -54,6 +54,8 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         PrimeError: If a stage cannot be done for a reason that the user can mend.
     """
     stages = experiment.until(until)
+    if experiment.collection.missing():
+        check_primitives(experiment.config)
     check_environments(experiment)
     if experiment.config.compute.cluster == "local":
         check_devices(stages.values())
