@@ -94,11 +94,12 @@ def test_no_images_are_made_where_no_model_sees_any(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("settings", "expected"),
     [
-        ((), ["images.rollouts", "images.demonstrations"]),
+        ((), ["images.rollouts", "images.pairs", "images.demonstrations"]),
+        (("perceived_by=[idm]",), ["images.rollouts", "images.pairs", "images.demonstrations"]),
         (("perceived_by=[policies]",), ["images.rollouts", "images.demonstrations"]),
         (
             ("perception.taught_on=demonstrations", "policies.prime.pretrain=false"),
-            ["images.rollouts", "images.demonstrations"],  # the IDM's
+            ["images.pairs", "images.demonstrations"],
         ),
         (
             (
@@ -115,6 +116,14 @@ def test_a_run_makes_the_images_that_its_models_need(
 ) -> None:
     stages = experiment(tmp_path, *settings).stages
     assert [name for name in stages if "images" in name] == expected
+
+
+def test_an_idm_of_images_learns_from_a_few_pairs_of_other(made: Experiment) -> None:
+    few = experiment(made.folder.parent, "compute.workers=0", "images.other_pairs=2").images.pairs
+    table = few.table()
+    assert 0 < len(table.others) <= 2 * 3
+    for frames in (table.rollouts[:, :2], table.others, table.late_ends):
+        table.rows(frames)  # all have images
 
 
 def test_seeds_models_and_variants_share_a_perception(tmp_path: Path) -> None:

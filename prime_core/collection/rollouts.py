@@ -9,7 +9,7 @@ from pydantic import Field
 
 from prime_core.arrays import Floats, Indices
 from prime_core.collection.recording import CollectedEpisode
-from prime_core.configuration import Config
+from prime_core.configuration import Config, Count
 from prime_core.contracts.images import ChosenImages
 from prime_core.contracts.observations import Observations
 
@@ -23,6 +23,12 @@ class FrameConfig(Config):
     """Frames inside of each rollout, evenly apart."""
     others: bool = True
     """Whether those too where pairs of `other` and late ends are."""
+    most_others: Count | None = None
+    """Pairs of `other` of an episode at most; None for all."""
+
+    def others_of(self, episode: CollectedEpisode) -> Indices:
+        """Return the pairs of `other` of an episode that are learnt from, ``(k, 2)``."""
+        return episode.others[: self.most_others]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +98,7 @@ class RolloutTable:
             seen.append(Observations(item.state[kept], item.environment_state[kept], shown))
             rollouts.append(item.rollouts + np.array([first, first, 0]))
             parameters.append(item.parameters)
-            others.append(item.others + first)
+            others.append(frames.others_of(item) + first)
             late_ends.append(item.late_ends + first)
             first += len(item.state)
         self.observations = Observations.join(seen)
@@ -129,6 +135,6 @@ def learnt_frames(episode: CollectedEpisode, config: FrameConfig) -> Indices:
         starts, lengths = episode.rollouts[:, :1], np.diff(episode.rollouts[:, :2], axis=1)
         used.append((starts + np.rint(shares * lengths).astype(np.int64)).ravel())
     if config.others:
-        used += [episode.others.ravel(), episode.late_ends]
+        used += [config.others_of(episode).ravel(), episode.late_ends]
     kept: Indices = np.unique(np.clip(np.concatenate(used), 0, len(episode.state) - 1))
     return kept

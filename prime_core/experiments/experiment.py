@@ -70,7 +70,7 @@ class Experiment:
         self.idm = self._stage(
             IdmTraining,
             collection=self.collection,
-            rollout_images=images.rollouts if sees_images else None,
+            rollout_images=images.pairs if sees_images else None,
             perception=images.perception_of("idm", config.idm),
             pairs=config.pairs.model_dump(mode="json"),
             idm=dump_choice(config.idm),

@@ -6,6 +6,7 @@ from typing import Any
 
 from prime_core.collection.rollouts import FrameConfig
 from prime_core.contracts.idm import IdmConfig
+from prime_core.contracts.images import CameraConfig
 from prime_core.contracts.policy import PolicyConfig
 from prime_core.experiments.settings import ExperimentConfig, ModelName
 from prime_core.experiments.stages.collection import Collection
@@ -27,13 +28,15 @@ class ImageStages:
 
     Attributes:
         config: The experiment.
-        rollouts: Makes images of rollouts.
+        rollouts: Makes images of rollouts, for perceptions and policies.
+        pairs: Makes images of the pairs that an IDM learns from.
         demonstrations: Makes images of demonstrations.
         perception: Trains the perception; None if none is asked for.
     """
 
     config: ExperimentConfig
     rollouts: CollectionImages
+    pairs: CollectionImages
     demonstrations: DemonstrationImages
     perception: PerceptionTraining | None
 
@@ -51,7 +54,7 @@ class ImageStages:
         self, idm: IdmTraining, parsing: Parsing, trainings: Iterable[PolicyTraining]
     ) -> dict[str, Stage]:
         """Return those that the models of some stages need, by name."""
-        used: list[Stage | None] = [idm.rollout_images, parsing.images]
+        used: list[Stage | None] = [parsing.images]
         for training in trainings:
             used += [training.rollout_images, training.images]
         if self.perception is not None:
@@ -59,6 +62,8 @@ class ImageStages:
         stages: dict[str, Stage] = {}
         if any(isinstance(stage, CollectionImages) for stage in used):
             stages["images.rollouts"] = self.rollouts
+        if idm.rollout_images is not None:
+            stages["images.pairs"] = self.pairs
         if any(isinstance(stage, DemonstrationImages) for stage in used):
             stages["images.demonstrations"] = self.demonstrations
         if self.perception is not None:
@@ -80,18 +85,17 @@ def image_stages(
         collection: Where rollouts come from.
         demonstrations: Where demonstrations come from.
     """
-    cameras = config.images.model_dump(mode="json", exclude={"frames_within"})
-    pairs = _sees_images(config, "idm", config.idm)
-    frames = FrameConfig(
-        around=config.pairs.around if pairs else 0,
-        within=config.images.frames_within,
-        others=pairs,
-    )
-    rollouts = make(
-        CollectionImages,
-        collection=collection,
-        cameras=cameras,
-        frames=frames.model_dump(mode="json"),
+    cameras = config.images.model_dump(mode="json", include=set(CameraConfig.model_fields))
+    within = FrameConfig(within=config.images.frames_within, others=False)
+    ends = FrameConfig(around=config.pairs.around, most_others=config.images.other_pairs)
+    rollouts, pairs = (
+        make(
+            CollectionImages,
+            collection=collection,
+            cameras=cameras,
+            frames=frames.model_dump(mode="json", exclude_none=True),
+        )
+        for frames in (within, ends)
     )
     shown = make(DemonstrationImages, demonstrations=demonstrations, cameras=cameras)
     perception = None
@@ -103,7 +107,7 @@ def image_stages(
             seed=config.seed,
             device=config.compute.device,
         )
-    return ImageStages(config, rollouts, shown, perception)
+    return ImageStages(config, rollouts, pairs, shown, perception)
 
 
 def _is_perceived(

@@ -59,7 +59,7 @@ def _collection(values: dict[str, Any]) -> Figures:
 
 def _images(results: dict[str, Any]) -> Figures:
     found = {}
-    for name in ("rollouts", "demonstrations"):
+    for name in ("rollouts", "pairs", "demonstrations"):
         made = results.get(f"images.{name}")
         if made is not None:
             found[f"images of {name}"] = (

@@ -88,7 +88,7 @@ class ImageStage(Stage):
 
 
 class CollectionImages(ImageStage):
-    """Images of the frames of rollouts that are learnt from, by the collection's shards."""
+    """Images of frames of the rollouts that are learnt from, by the collection's shards."""
 
     unit: ClassVar[str] = "shards"
 
