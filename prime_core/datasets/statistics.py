@@ -64,12 +64,15 @@ def statistics_of_images(counts: NDArray[np.int64], images: int) -> Statistics:
         "max": values[255 - seen[:, ::-1].argmax(axis=1)],
         "mean": mean,
         "std": np.sqrt((shares * off**2).sum(axis=1)),
+        "count": np.array([images], dtype=np.float64),
     }
     reached = shares.cumsum(axis=1)
     for name, share in QUANTILES.items():
         result[name] = values[(reached >= share).argmax(axis=1)]
-    shaped: Statistics = {name: numbers.reshape(3, 1, 1) for name, numbers in result.items()}
-    return shaped | {"count": np.array([images], dtype=np.float64)}
+    return {
+        name: numbers if name == "count" else numbers.reshape(3, 1, 1)
+        for name, numbers in result.items()
+    }
 
 
 def merge(statistics: Sequence[Mapping[str, Floats]]) -> Statistics:

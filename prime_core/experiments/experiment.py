@@ -100,7 +100,9 @@ class Experiment:
                 runner=config.evaluation.runner.model_dump(mode="json"),
                 maximum_steps=config.evaluation.maximum_steps,
             )
-        exported = images.demonstrations if "images.demonstrations" in self._image_stages() else None
+        exported = (
+            images.demonstrations if "images.demonstrations" in self._image_stages() else None
+        )
         self.export = self._stage(Export, parsing=self.parsing, images=exported)
         self.variants = {
             name: Experiment(variant, folder, remake=remake)
