@@ -95,10 +95,11 @@ class VideoImages:
                         found[int(number)] = self._pixels(path, frame)
                     if at >= times.max():
                         break
-        except (av.FFmpegError, IndexError) as error:
+        except (av.FFmpegError, IndexError) as error:  # IndexError: it has no pictures
+            reason = getattr(error, "strerror", None) or error
             raise DemonstrationError(
                 f"{path}: {self._key!r}: the video cannot be decoded in episode "
-                f"{self._entry.index} ({error}): take a whole copy"
+                f"{self._entry.index} ({reason}): take a whole copy"
             ) from error
         return found, at
 
