@@ -100,10 +100,7 @@ class Experiment:
                 runner=config.evaluation.runner.model_dump(mode="json"),
                 maximum_steps=config.evaluation.maximum_steps,
             )
-        exported = (
-            images.demonstrations if "images.demonstrations" in self._image_stages() else None
-        )
-        self.export = self._stage(Export, parsing=self.parsing, images=exported)
+        self.export = self._export()
         self.variants = {
             name: Experiment(variant, folder, remake=remake)
             for name, variant in config.resolved_variants.items()
@@ -133,6 +130,12 @@ class Experiment:
             augmentation=config.augmentation.model_dump(mode="json"),
             **common,
         )
+
+    def _export(self) -> Export:
+        """Return the stage that exports, with images where a model sees those of demonstrations."""
+        has_images = "images.demonstrations" in self._image_stages()
+        images = self.images.demonstrations if has_images else None
+        return self._stage(Export, parsing=self.parsing, images=images)
 
     def _image_stages(self) -> dict[str, Stage]:
         """Return the stages of images that the models need, by name."""
