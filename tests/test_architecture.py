@@ -17,7 +17,18 @@ ROOT = Path(__file__).parents[1]
 CORE = ROOT / "prime_core"
 PACKS = {path.name: path for path in sorted((ROOT / "plugins").glob("*/src/*")) if path.is_dir()}
 EXAMPLE = ROOT / "docs" / "examples" / "hello_primitive"
-HEAVY = ("torch", "mujoco", "robosuite", "lerobot", "mink", "numba", "pyarrow", "matplotlib", "av")
+HEAVY = (
+    "torch",
+    "mujoco",
+    "robosuite",
+    "lerobot",
+    "mink",
+    "numba",
+    "pyarrow",
+    "matplotlib",
+    "av",
+    "PIL",
+)
 MAXIMUM_LINES = 300
 MAXIMUM_FUNCTION_LINES = 60
 MAXIMUM_FILES = 14

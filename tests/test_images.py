@@ -8,6 +8,7 @@ import pytest
 
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
+from prime_core.datasets.read import read_dataset
 from prime_core.execution.settings import RunnerConfig
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.parse_dataset import parse_foreign
@@ -152,7 +153,12 @@ def test_a_run_from_images_throughout(tmp_path: Path) -> None:
     made = json.loads((run / "results.json").read_text())["results"]["images.rollouts"]
     assert 500 < made["bytes_per_image"] < 40 * 40 * 3
     assert "images of rollouts" in done.stdout
-    # A data set holds no images: they are made of its poses, in float32 as when they were learnt.
+    # The data set holds the images that were learnt from; without them, they are made of its poses.
+    exported = read_dataset(run / "dataset").demonstrations
+    images = experiment(tmp_path).images.demonstrations.load()
+    for one, kept in zip(exported, images.values(), strict=True):
+        for camera, pixels in one.observations.images.items():
+            np.testing.assert_array_equal(np.asarray(pixels), np.asarray(kept[camera]))
     found = parse_foreign(run / "dataset", run, tmp_path / "parsed")
     parsed = experiment(tmp_path).parsing.load()
     for one, own in zip(found.parsed.values(), parsed.values(), strict=True):

@@ -35,7 +35,7 @@ Columns = dict[str, NDArray[Any]]
 
 
 _INDEX = re.compile(r"\{(chunk|file)_index(:0?[0-9]?d?)?\}")
-"""What stands for a number in ``data_path``."""
+"""What stands for a number in ``data_path`` and ``video_path``."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def read_entries(header: Header) -> list[EpisodeEntry]:
         )
         rows = zip(indices, lengths, texts(path, table, "tasks"), chunks, files, strict=True)
         for index, length, task, chunk, file in rows:
-            place = _data_file(header, chunk, file)
+            place = file_in(header, "data_path", layout.DATA_FILE, chunk, file)
             entries.append(EpisodeEntry(index, length, task, place, path))
     entries.sort(key=lambda entry: entry.index)
     count = header.info["total_episodes"]
@@ -85,17 +85,35 @@ def read_entries(header: Header) -> list[EpisodeEntry]:
     return entries
 
 
-def _data_file(header: Header, chunk: int, file: int) -> Path:
-    template: str = header.info["data_path"]
-    rest, place = _INDEX.sub("", template), Path(template)
-    # What else format() takes reaches into objects or fills the memory.
-    odd = set("{}\0") & set(rest) or not template
-    if odd or place.is_absolute() or ".." in place.parts:
+def file_in(
+    header: Header, setting: str, usual: str, chunk: int, file: int, video_key: str = ""
+) -> Path:
+    """Return a file of a data set.
+
+    Args:
+        header: Of the data set.
+        setting: Which key of ``meta/info.json`` says where.
+        usual: What LeRobot has there.
+        chunk: Number of its folder.
+        file: Its own number.
+        video_key: Of the feature that it holds, if its path is to name one.
+
+    Raises:
+        DatasetError: If the setting is no path inside of the data set.
+    """
+    template = header.info.get(setting)
+    place = None
+    if isinstance(template, str) and template:
+        named = template.replace("{video_key}", "") if video_key else template
+        # What else format() takes reaches into objects or fills the memory.
+        if not set("{}\0") & set(_INDEX.sub("", named)):
+            place = Path(template.format(chunk_index=chunk, file_index=file, video_key=video_key))
+    if place is None or place.is_absolute() or ".." in place.parts:
         raise DatasetError(
-            f"{header.info_file}: data_path is {template!r}; it should be a path inside of the "
-            f"data set: LeRobot has {layout.DATA_FILE!r}"
+            f"{header.info_file}: {setting} is {template!r}; it should be a path inside of the "
+            f"data set: LeRobot has {usual!r}"
         )
-    return header.folder / template.format(chunk_index=chunk, file_index=file)
+    return header.folder / place
 
 
 def read_episodes(
@@ -104,8 +122,8 @@ def read_episodes(
     """Read the numbers of episodes, each file once where its episodes follow each other.
 
     Yields:
-        In the order of the entries, each feature's ``(length, width)`` or why the episode cannot
-        be used.
+        In the order of the entries, each feature's ``(length, width)``, and the ``(length,)``
+        of ``timestamp`` if there is one, or why the episode cannot be used.
     """
     for path, group in itertools.groupby(entries, key=lambda entry: entry.file):
         mates = list(group)
@@ -171,7 +189,8 @@ class _DataFile:
         for key in columns:
             self._check_finite(entry.index, key, rows)
         if self._clock is not None:
-            self._check_clock(entry.index, self._clock[rows].astype(np.float64))
+            columns["timestamp"] = self._clock[rows].astype(np.float64)
+            self._check_clock(entry.index, columns["timestamp"])
         return columns
 
     def _check_finite(self, episode: int, key: str, rows: NDArray[np.int64]) -> None:

@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 
 from prime_core.configuration import GREATEST_COUNT
 from prime_core.contracts.environment import ACTION_NAMES
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
 from prime_core.datasets import layout
 from prime_core.errors import DatasetError
 
@@ -28,6 +28,21 @@ class Feature:
 
 
 @dataclass(frozen=True)
+class Camera:
+    """One camera of a data set.
+
+    Attributes:
+        key: Of its feature.
+        is_video: Whether its images are frames of videos; else they lie in the data files.
+        shape: Of an image, ``(H, W, 3)``.
+    """
+
+    key: str
+    is_video: bool
+    shape: tuple[int, int, int]
+
+
+@dataclass(frozen=True)
 class Header:
     """What ``meta/info.json`` says.
 
@@ -35,11 +50,13 @@ class Header:
         folder: Of the data set.
         info: All of it.
         features: Those that are read.
+        cameras: Those of colour, by their names.
     """
 
     folder: Path
     info: dict[str, Any]
     features: dict[str, Feature]
+    cameras: dict[str, Camera]
 
     @property
     def info_file(self) -> Path:
@@ -101,7 +118,8 @@ def read_header(folder: Path, fps: int | None) -> Header:
         if key in features:
             found[key] = _feature(path, features, key, "a vector of numbers")
     # There is nothing to be read where a scene has no objects.
-    return Header(folder, info, {key: item for key, item in found.items() if item.width})
+    found = {key: item for key, item in found.items() if item.width}
+    return Header(folder, info, found, _cameras(path, features))
 
 
 def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
@@ -149,6 +167,33 @@ def _feature(path: Path, features: Mapping[str, Any], key: str, asked: str) -> F
     if key == STATE_KEY and not width:
         raise DatasetError(f"{path}: feature {key!r} has no numbers; it should have some")
     return Feature(width, _names(path, key, entry.get("names"), width))
+
+
+def _cameras(path: Path, features: Mapping[str, Any]) -> dict[str, Camera]:
+    cameras = {}
+    for key, entry in features.items():
+        kind = entry.get("dtype") if isinstance(entry, dict) else None
+        if kind not in ("image", "video") or _is_depth(entry):
+            continue
+        shape = entry.get("shape")
+        if not isinstance(shape, list) or len(shape) != 3 or not all(map(_is_count, shape)):
+            raise DatasetError(
+                f"{path}: feature {key!r} is {kind} of shape {shape}; it should be [height, width, "
+                "3]"
+            )
+        # Older data sets of LeRobot name the channels first; the images are the same.
+        height, width, channels = shape if shape[2] == 3 else (*shape[1:], shape[0])
+        if channels == 3:
+            name = key.removeprefix(IMAGE_PREFIX)
+            cameras[name] = Camera(key, kind == "video", (height, width, channels))
+    return cameras
+
+
+def _is_depth(entry: Mapping[str, Any]) -> bool:
+    """Return whether a feature is one of distances, by any of the marks that LeRobot made."""
+    tables = [entry.get("info"), entry.get("video_info")]
+    marks = ("is_depth_map", "video.is_depth_map")
+    return any(table.get(mark) for table in tables if isinstance(table, dict) for mark in marks)
 
 
 def _is_count(value: object) -> TypeGuard[int]:

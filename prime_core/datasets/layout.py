@@ -1,11 +1,12 @@
 """Where a LeRobot v3 data set keeps what: file names, keys and features."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_NAMES
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
 
 CODEBASE_VERSION = "v3.0"
 
@@ -26,6 +27,13 @@ EPISODES_FILE = "meta/episodes/chunk-{chunk_index:03d}/file-{file_index:03d}.par
 
 
 DATA_FILE = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+
+
+VIDEO_FILE = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+
+
+IMAGE_FILE = "frame-{frame_index:06d}.png"
+"""The name that an image which lies in a data file goes by."""
 
 
 # Ours. LeRobot writes info.json anew when a data set grows and drops the keys that it does not
@@ -76,11 +84,13 @@ class Contents:
 
     Attributes:
         simulator_state_width: Length of the simulator states; 0 where there are none.
+        images: Height, width and 3, by camera.
         segments: Whether the demonstrations are parsed.
         motion_rows: Whether the segments are also given in LeRobot's own way.
     """
 
     simulator_state_width: int = 0
+    images: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     segments: bool = False
     motion_rows: bool = False
 
@@ -97,6 +107,9 @@ def features_of(description: SceneDescription, contents: Contents) -> dict[str, 
     }
     # LeRobot cannot read a feature without numbers: a scene without objects has no such column.
     result = {key: feature for key, feature in result.items() if feature["shape"] != [0]}
+    for name, shape in contents.images.items():
+        sides = ["height", "width", "channels"]
+        result[IMAGE_PREFIX + name] = {"dtype": "image", "shape": [*shape], "names": sides}
     if contents.segments:
         result[PRIMITIVE_INDEX_KEY] = _feature("int64", 1)
     if contents.motion_rows:

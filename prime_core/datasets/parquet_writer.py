@@ -3,7 +3,6 @@
 LeRobot's own recorder writes frame by frame; the files here are the same, column by column.
 """
 
-import itertools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.contracts.demonstration import Demonstration
-from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
+from prime_core.contracts.images import Images
+from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
 from prime_core.datasets import layout
+from prime_core.datasets.embedded_images import embedded
 from prime_core.datasets.statistics import Statistics, merge, plain, statistics_of
 
 Columns = dict[str, NDArray[Any]]
@@ -28,6 +29,7 @@ class Episode:
     Attributes:
         task: What is done, in words.
         columns: The numbers of each feature, ``(N,)`` or ``(N, width)``.
+        images: Of each feature of images; they are read when they are written.
         language: LeRobot's language rows as an arrow array, or None.
         first_frame: Index of its first frame in the data set.
         file_number: In which data file it is.
@@ -36,6 +38,7 @@ class Episode:
 
     task: str
     columns: Columns
+    images: Mapping[str, Images] = field(default_factory=dict)
     language: Any = None
     first_frame: int = 0
     file_number: int = 0
@@ -57,7 +60,9 @@ def episode_of(demonstration: Demonstration) -> Episode:
     if demonstration.simulator_states is not None:
         states = np.asarray(demonstration.simulator_states, dtype=np.float64)
         columns[layout.SIMULATOR_STATE_KEY] = states
-    return Episode(demonstration.task, columns)
+    shown = demonstration.observations.images
+    images = {IMAGE_PREFIX + name: each for name, each in shown.items()}
+    return Episode(demonstration.task, columns, images)
 
 
 def write_files(
@@ -78,7 +83,7 @@ def write_files(
         robot_type: As LeRobot calls the robot.
     """
     tasks = list(dict.fromkeys(episode.task for episode in episodes))
-    _keep_books(episodes, tasks, features, fps)
+    _keep_books(episodes, tasks, fps)
     _write_data(folder, episodes, features)
     _write_tasks(folder / layout.TASKS_FILE, tasks)
     _write_episodes(folder, episodes)
@@ -119,17 +124,11 @@ def write_table(path: Path, table: Any) -> None:
     pq.write_table(table, path, compression="snappy")
 
 
-def _keep_books(
-    episodes: Sequence[Episode], tasks: list[str], features: Mapping[str, Any], fps: int
-) -> None:
-    frame = written = file_number = 0
+def _keep_books(episodes: Sequence[Episode], tasks: list[str], fps: int) -> None:
+    frame = 0
     task_indices = {task: index for index, task in enumerate(tasks)}
     for number, episode in enumerate(episodes):
         count = len(episode)
-        size = sum(values.nbytes for values in episode.columns.values())
-        if written and written + size > layout.DATA_FILE_MEGABYTES * 2**20:
-            file_number, written = file_number + 1, 0
-        written += size
         steps = np.arange(count, dtype=np.int64)
         episode.columns |= {
             "timestamp": (steps / fps).astype(np.float32),
@@ -138,10 +137,7 @@ def _keep_books(
             "index": steps + frame,
             "task_index": np.full(count, task_indices[episode.task]),
         }
-        episode.first_frame, episode.file_number = frame, file_number
-        episode.statistics = {
-            key: statistics_of(episode.columns[key]) for key in features if key in episode.columns
-        }
+        episode.first_frame = frame
         frame += count
 
 
@@ -151,26 +147,43 @@ def _place(file_number: int) -> dict[str, int]:
 
 
 def _write_data(folder: Path, episodes: Sequence[Episode], features: Mapping[str, Any]) -> None:
+    """Write the data files, one episode in memory at a time, and say where each episode is."""
     import pyarrow.parquet as pq
 
-    for file_number, group in itertools.groupby(episodes, lambda episode: episode.file_number):
-        mates = list(group)
-        path = folder / layout.DATA_FILE.format(**_place(file_number))
-        path.parent.mkdir(parents=True, exist_ok=True)
-        schema = _data_table(mates[0], features).schema
-        with pq.ParquetWriter(path, schema, compression="snappy") as writer:
+    writer, written, file_number = None, 0, 0
+    try:
+        for episode in episodes:
+            table = _data_table(episode, features)
+            numbers = [table[key] for key in table.column_names if key != layout.MOTION_KEY]
+            size = sum(column.nbytes for column in numbers)
+            if writer is not None and written + size > layout.DATA_FILE_MEGABYTES * 2**20:
+                writer.close()
+                writer, written, file_number = None, 0, file_number + 1
+            if writer is None:
+                path = folder / layout.DATA_FILE.format(**_place(file_number))
+                path.parent.mkdir(parents=True, exist_ok=True)
+                writer = pq.ParquetWriter(path, table.schema, compression="snappy")
             # LeRobot, too, has one row group per episode: an episode is read alone quickly.
-            for episode in mates:
-                writer.write_table(_data_table(episode, features))
+            writer.write_table(table)
+            episode.file_number, written = file_number, written + size
+    finally:
+        if writer is not None:
+            writer.close()
 
 
 def _data_table(episode: Episode, features: Mapping[str, Any]) -> Any:
+    """Return an episode as an arrow table, and keep its statistics."""
     import pyarrow as pa
 
-    columns = {
-        key: episode.language if key == layout.MOTION_KEY else _arrow(episode.columns[key])
-        for key in features
-    }
+    columns = {}
+    for key in features:
+        if key == layout.MOTION_KEY:
+            columns[key] = episode.language
+        elif key in episode.images:
+            columns[key], episode.statistics[key] = embedded(episode.images[key])
+        else:
+            columns[key] = _arrow(episode.columns[key])
+            episode.statistics[key] = statistics_of(episode.columns[key])
     return pa.table(columns)
 
 
@@ -228,8 +241,7 @@ def _write_episodes(folder: Path, episodes: Sequence[Episode]) -> None:
     listed = [{key: plain(of) for key, of in item.statistics.items()} for item in episodes]
     for key, statistics in listed[0].items():
         for name in statistics:
-            kind = pa.list_(pa.int64() if name == "count" else pa.float64())
-            columns[f"stats/{key}/{name}"] = pa.array([item[key][name] for item in listed], kind)
+            columns[f"stats/{key}/{name}"] = pa.array([item[key][name] for item in listed])
     columns["meta/episodes/chunk_index"] = pa.array(zeros)
     columns["meta/episodes/file_index"] = pa.array(zeros)
     path = folder / layout.EPISODES_FILE.format(chunk_index=0, file_index=0)

@@ -17,12 +17,15 @@ from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, Segment
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_NAMES, CONTROL_FREQUENCY
+from prime_core.contracts.images import ChosenImages, Images
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Observations
 from prime_core.datasets import layout
 from prime_core.datasets import segments as parsed
+from prime_core.datasets.embedded_images import EmbeddedImages
 from prime_core.datasets.episodes import Columns, EpisodeEntry, read_entries, read_episodes
 from prime_core.datasets.header import Header, column_order, read_header, read_json
 from prime_core.datasets.units import UnitCheck
+from prime_core.datasets.video_images import VideoImages
 from prime_core.datasets.write import write_dataset
 from prime_core.errors import DatasetError, DemonstrationError
 
@@ -212,14 +215,14 @@ def _demonstrations(
             if order is not None:
                 columns[key] = columns[key][:, order]
         with np.errstate(over="ignore"):  # what float32 cannot hold is infinite: no unit of ours
-            found = _demonstration(entry, columns, description)
+            found = _demonstration(header, entry, columns, description)
         problem = units.problem(found)
         text = f"{entry.file}: episode {entry.index}: {problem}"
         yield found if problem is None else DemonstrationError(text)
 
 
 def _demonstration(
-    entry: EpisodeEntry, columns: Columns, description: SceneDescription | None
+    header: Header, entry: EpisodeEntry, columns: Columns, description: SceneDescription | None
 ) -> Demonstration:
     objects = columns.get(ENVIRONMENT_STATE_KEY)
     if objects is None and description is not None and not description.objects:
@@ -230,11 +233,25 @@ def _demonstration(
         observations=Observations(
             columns[STATE_KEY].astype(np.float32, copy=False),
             None if objects is None else objects.astype(np.float32, copy=False),
+            _images(header, entry, columns),
         ),
         actions=columns[layout.ACTION_KEY].astype(np.float32, copy=False),
         task=entry.task,
         simulator_states=None if states is None else states.astype(np.float64, copy=False),
     )
+
+
+def _images(header: Header, entry: EpisodeEntry, columns: Columns) -> dict[str, ChosenImages]:
+    """Return an episode's images by camera, unread."""
+    images: dict[str, ChosenImages] = {}
+    clock = columns.get("timestamp", np.arange(entry.length) / header.info["fps"])
+    for name, camera in header.cameras.items():
+        if camera.is_video:
+            source: Images = VideoImages(header, entry, camera, clock)
+        else:
+            source = EmbeddedImages(header, entry, camera)
+        images[name] = ChosenImages.joined([source])
+    return images
 
 
 def _read_space(header: Header, own: dict[str, Any]) -> PrimitiveSpace | None:

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.arrays import Floats
+from prime_core.arrays import Floats, Indices
 
 Statistics = dict[str, Floats]
-"""``min``, ``max``, ``mean``, ``std``, ``q01`` ...: ``(width,)`` each, and ``count``: ``(1,)``."""
+"""``min``, ``max``, ``mean``, ``std``, ``q01`` ...: ``(width,)`` each, ``(3, 1, 1)`` of images; and
+``count``: ``(1,)``."""
 
 
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
@@ -40,6 +41,40 @@ def statistics_of(values: NDArray[Any]) -> Statistics:
     return result
 
 
+def sampled_frames(count: int) -> Indices:
+    """Return which of an episode's images LeRobot looks at, of so many."""
+    size = max(min(count, 100), min(int(count**0.75), 10_000))
+    return np.round(np.linspace(0, count - 1, size)).astype(np.int64)
+
+
+def statistics_of_images(counts: NDArray[np.int64], images: int) -> Statistics:
+    """Return the statistics of images, each channel's in [0, 1].
+
+    Args:
+        counts: How many pixels there are of each value, ``(3, 256)``.
+        images: How many images these are of.
+    """
+    values = np.arange(256) / 255
+    shares = counts / counts.sum(axis=1, keepdims=True)
+    mean = shares @ values
+    off = values - mean[:, None]
+    seen = counts > 0
+    result = {
+        "min": values[seen.argmax(axis=1)],
+        "max": values[255 - seen[:, ::-1].argmax(axis=1)],
+        "mean": mean,
+        "std": np.sqrt((shares * off**2).sum(axis=1)),
+        "count": np.array([images], dtype=np.float64),
+    }
+    reached = shares.cumsum(axis=1)
+    for name, share in QUANTILES.items():
+        result[name] = values[(reached >= share).argmax(axis=1)]
+    return {
+        name: numbers if name == "count" else numbers.reshape(3, 1, 1)
+        for name, numbers in result.items()
+    }
+
+
 def merge(statistics: Sequence[Mapping[str, Floats]]) -> Statistics:
     """Return the statistics over episodes from those of each.
 
@@ -47,7 +82,7 @@ def merge(statistics: Sequence[Mapping[str, Floats]]) -> Statistics:
     are exact.
     """
     columns = {name: np.stack([item[name] for item in statistics]) for name in statistics[0]}
-    counts = columns["count"]
+    counts = columns["count"].reshape(-1, *[1] * (columns["mean"].ndim - 1))
     total = counts.sum(axis=0)
     mean = (columns["mean"] * counts).sum(axis=0) / total
     spread = columns["std"] ** 2 + (columns["mean"] - mean) ** 2
@@ -56,14 +91,14 @@ def merge(statistics: Sequence[Mapping[str, Floats]]) -> Statistics:
         "max": columns["max"].max(axis=0),
         "mean": mean,
         "std": np.sqrt((spread * counts).sum(axis=0) / total),
-        "count": total,
+        "count": total.reshape(1),
     }
     for name in QUANTILES:
         result[name] = (columns[name] * counts).sum(axis=0) / total
     return result
 
 
-def plain(statistics: Mapping[str, Floats]) -> dict[str, list[float] | list[int]]:
+def plain(statistics: Mapping[str, Floats]) -> dict[str, list[Any]]:
     """Return statistics as lists, the count as a whole number, as LeRobot stores them."""
     return {
         name: [int(values[0])] if name == "count" else values.tolist()

@@ -37,7 +37,9 @@ def write_dataset(
     motion_rows: bool = True,
     replace: bool = False,
 ) -> None:
-    """Write demonstrations as a LeRobot v3 data set.
+    """Write demonstrations as a LeRobot v3 data set, with their images if they have some.
+
+    Images are read and written one demonstration after another.
 
     Args:
         folder: Of the data set; its parent is made if need be.
@@ -65,6 +67,7 @@ def write_dataset(
         _label(episodes, segments, space, CONTROL_FREQUENCY if motion_rows else None)
     contents = layout.Contents(
         simulator_state_width=_simulator_state_width(episodes),
+        images=_images(demonstrations),
         segments=segments is not None,
         motion_rows=segments is not None and motion_rows,
     )
@@ -106,6 +109,24 @@ def _episodes(
     for number, episode in enumerate(episodes):
         _check_columns(number, episode.columns, wanted)
     return episodes
+
+
+def _images(demonstrations: Sequence[Demonstration]) -> dict[str, tuple[int, ...]]:
+    """Return height, width and 3 of each camera's images, once all demonstrations have the same."""
+    shapes = [
+        {name: images.shape for name, images in each.observations.images.items()}
+        for each in demonstrations
+    ]
+    first = {name: shape[1:] for name, shape in shapes[0].items()}
+    for number, (found, each) in enumerate(zip(shapes, demonstrations, strict=True)):
+        wanted = {name: (len(each.observations), *shape) for name, shape in first.items()}
+        if found != wanted or any(shape[3:] != (3,) for shape in found.values()):
+            raise DatasetError(
+                f"demonstration {number} has images {found or 'of no camera'}; it should have "
+                f"{wanted or 'none'}: one of each frame, (height, width, 3), of the same cameras "
+                "as demonstration 0"
+            )
+    return first
 
 
 def _simulator_state_width(episodes: Sequence[Episode]) -> int:

@@ -85,7 +85,6 @@ class Experiment:
             parser=dump_choice(config.parser),
         )
         self.replay = self._stage(Replaying, parsing=self.parsing)
-        self.export = self._stage(Export, parsing=self.parsing)
         self.evaluations: dict[str, Evaluation] = {}
         self.videos: dict[str, Video] = {}
         for name, policy in config.policies.items():
@@ -101,6 +100,7 @@ class Experiment:
                 runner=config.evaluation.runner.model_dump(mode="json"),
                 maximum_steps=config.evaluation.maximum_steps,
             )
+        self.export = self._export()
         self.variants = {
             name: Experiment(variant, folder, remake=remake)
             for name, variant in config.resolved_variants.items()
@@ -130,6 +130,17 @@ class Experiment:
             augmentation=config.augmentation.model_dump(mode="json"),
             **common,
         )
+
+    def _export(self) -> Export:
+        """Return the stage that exports, with images where a model sees those of demonstrations."""
+        has_images = "images.demonstrations" in self._image_stages()
+        images = self.images.demonstrations if has_images else None
+        return self._stage(Export, parsing=self.parsing, images=images)
+
+    def _image_stages(self) -> dict[str, Stage]:
+        """Return the stages of images that the models need, by name."""
+        trainings = [each.training for each in self.evaluations.values()]
+        return self.images.needed(self.idm, self.parsing, trainings)
 
     def _stage[AnyStage: Stage](self, kind: type[AnyStage], **fields: Any) -> AnyStage:
         """Return a stage, as the code of now made it, or else as other code made it last."""
@@ -186,11 +197,10 @@ class Experiment:
     @property
     def own_stages(self) -> dict[str, Stage]:
         """The stages without those of variants, by name, in order."""
-        trainings = [each.training for each in self.evaluations.values()]
         stages: dict[str, Stage] = {
             "demonstrations": self.demonstrations,
             "collection": self.collection,
-            **self.images.needed(self.idm, self.parsing, trainings),
+            **self._image_stages(),
             "idm": self.idm,
             "parsing": self.parsing,
             "export": self.export,

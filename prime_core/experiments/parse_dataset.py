@@ -9,9 +9,11 @@ from prime_core.contracts.demonstration import (
     DemonstratorConfig,
     ParsedDemonstration,
 )
+from prime_core.contracts.idm import InverseDynamicsModel
+from prime_core.contracts.parser import ParserConfig
 from prime_core.datasets.read import write_dataset
 from prime_core.errors import ConfigurationError, DatasetError, DemonstrationError
-from prime_core.execution.live_images import with_live_images
+from prime_core.execution.demonstrated_images import DemonstratedImages
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import read_experiment
 from prime_core.experiments.run_folder.outputs import check_resolved
@@ -98,24 +100,40 @@ def parse_foreign(
     shown = config.demonstrations(settings.environment, range(count), settings.seed)
     good: dict[str, Demonstration] = {}
     left_out: dict[str, str] = {}
-    for number, found in enumerate(shown):
+    for index, found in enumerate(shown):
         if isinstance(found, DemonstrationError):
-            left_out[str(number)] = str(found)
+            left_out[str(index)] = str(found)
         else:
-            good[str(number)] = found
+            good[str(index)] = found
     check_left_out(left_out, count, strict)
-    idm, parser = experiment.idm.load(), settings.parser
-    if "images" in idm.sees:
-        environment, cameras = settings.environment.build(), settings.images
-        good = {
-            item: replace(
-                one, observations=with_live_images(one.observations, environment, cameras)
-            )
-            for item, one in good.items()
-        }
-    parsed = {number: parse_demonstration(one, idm, parser) for number, one in good.items()}
+    idm = experiment.idm.load()
+    parsed: dict[str, ParsedDemonstration] = {}
+    images = DemonstratedImages(settings.environment, settings.images)
+    for number, one in good.items():
+        try:
+            parsed[number] = _parsed(one, idm, settings.parser, images, source)
+        except DemonstrationError as error:  # its images are read only now
+            left_out[number] = str(error)
+    check_left_out(left_out, count, strict)
     _write(experiment, [*parsed.values()], target)
     return ForeignDemonstrations(parsed, left_out)
+
+
+def _parsed(
+    demonstration: Demonstration,
+    idm: InverseDynamicsModel,
+    parser: ParserConfig,
+    images: DemonstratedImages,
+    source: Path,
+) -> ParsedDemonstration:
+    """Parse a demonstration, which keeps images if it came with some that the IDM looked at."""
+    own = demonstration.observations
+    bare = replace(demonstration, observations=replace(own, images={}))
+    if "images" not in idm.sees:
+        return parse_demonstration(bare, idm, parser)
+    shown = replace(demonstration, observations=images.of(own, str(source)))
+    segments = parse_demonstration(shown, idm, parser).segments
+    return ParsedDemonstration(shown if own.images else bare, segments)
 
 
 def _demonstrator_of(source: Path) -> DemonstratorConfig:

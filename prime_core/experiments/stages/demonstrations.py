@@ -7,7 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.configuration import ConfigDump
-from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
+from prime_core.contracts.demonstration import (
+    Demonstration,
+    DemonstratorConfig,
+    RecordedDemonstratorConfig,
+)
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
 from prime_core.errors import DatasetError, DemonstrationError
@@ -16,6 +20,9 @@ from prime_core.registry.fields import read_settings
 
 LEFT_OUT = "left_out"
 """Key of the reason, in the result of a demonstration that cannot be used."""
+
+CAMERAS = "cameras"
+"""Key of the cameras' names, in the result of a demonstration that comes with images."""
 
 
 class Demonstrations(Stage):
@@ -39,14 +46,11 @@ class Demonstrations(Stage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Show or import demonstrations."""
-        environment = read_settings(EnvironmentConfig, self.environment)
-        config = self.config
-        indices = [int(item) for item in items]
-        for shown in config.demonstrations(environment, indices, self.seed):
+        for shown in self._shown(items):
             if isinstance(shown, DemonstrationError):
                 yield {LEFT_OUT: str(shown)}
                 continue
-            objects = shown.observations.environment_state
+            objects, images = shown.observations.environment_state, shown.observations.images
             yield {
                 "state": shown.observations.state,
                 # exca keeps no array without numbers, which is what a scene without objects has.
@@ -55,7 +59,37 @@ class Demonstrations(Stage):
                 "actions": shown.actions,
                 "simulator_states": shown.simulator_states,
                 "task": shown.task,
+                **({CAMERAS: [*images]} if images else {}),
             }
+
+    def _shown(self, items: Sequence[str]) -> Iterator[Demonstration | DemonstrationError]:
+        environment = read_settings(EnvironmentConfig, self.environment)
+        return self.config.demonstrations(environment, [int(item) for item in items], self.seed)
+
+    def with_own_images(self, item: str) -> Observations | None:
+        """Return what was seen in a demonstration that comes with images, asked for once more.
+
+        Images are not kept here: they may lie in a data set, where they are read when indexed.
+
+        Returns:
+            None if it comes without images.
+
+        Raises:
+            DemonstrationError: If the source does not show it any more.
+        """
+        (result,) = self.results([item])
+        if CAMERAS not in result:
+            return None
+        (shown,) = self._shown([item])
+        if isinstance(shown, DemonstrationError):
+            raise shown
+        return shown.observations
+
+    @property
+    def source(self) -> str:
+        """Where demonstrations come from, for people."""
+        config = self.config
+        return str(config.path) if isinstance(config, RecordedDemonstratorConfig) else self.title
 
     def left_out(self) -> dict[str, str]:
         """Return why demonstrations cannot be used, by their items."""

@@ -1,4 +1,4 @@
-"""The stages that make images that models learn from, out of what was recorded without any."""
+"""The stages that keep images that models learn from: made of poses, or those that came along."""
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,10 +12,12 @@ from prime_core.arrays import Indices
 from prime_core.collection.rollouts import EpisodeImages, FrameConfig, RolloutTable, learnt_frames
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import Demonstration
-from prime_core.contracts.environment import Environment, EnvironmentConfig
+from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.images import CameraConfig, ChosenImages
 from prime_core.contracts.observations import Observations
 from prime_core.datasets.image_files import SUFFIX, ImageFile, write_images
+from prime_core.execution.demonstrated_images import DemonstratedImages
+from prime_core.execution.live_images import with_live_images
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import LEFT_OUT, Demonstrations
 from prime_core.experiments.stages.stage import Result, Stage
@@ -57,24 +59,22 @@ class ImageStage(Stage):
         """Return an item's files."""
         return [self.file(item, camera) for camera in self.config.cameras]
 
-    def write(self, item: str, parts: Sequence[tuple[Environment, Observations]]) -> Result:
-        """Make images and write an item's files.
+    def write(self, item: str, parts: Sequence[Observations]) -> Result:
+        """Write an item's files.
 
         Args:
             item: Whose.
-            parts: Observations, and an environment that shows what they are of; in order.
+            parts: Observations with images, in order; of each camera a few are read at a time.
 
         Returns:
             How many images there are of a camera, and the bytes of all.
         """
         config, written = self.config, 0
-        count = sum(len(seen) for _, seen in parts)
+        count = sum(map(len, parts))
         for camera in config.cameras:
             batches = (
-                environment.pictures(
-                    seen[start : start + AT_ONCE], [camera], config.size, config.size
-                )[camera]
-                for environment, seen in parts
+                np.asarray(seen.images[camera][start : start + AT_ONCE])
+                for seen in parts
                 for start in range(0, len(seen), AT_ONCE)
             )
             shape = (count, config.size, config.size, 3)
@@ -121,7 +121,7 @@ class CollectionImages(ImageStage):
             for number, episode in zip(numbers, episodes, strict=True):
                 kept = learnt_frames(episode, chosen)
                 seen = Observations(episode.state[kept], episode.environment_state[kept])
-                parts.append((shown[number % len(shown)], seen))
+                parts.append(with_live_images(seen, shown[number % len(shown)], self.config))
                 frames.append(kept)
             yield {
                 **self.write(item, parts),
@@ -177,14 +177,16 @@ class DemonstrationImages(ImageStage):
         return self.demonstrations.items()
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
-        """Make the images of demonstrations."""
-        environment = read_settings(EnvironmentConfig, self.environment).build()
-        shown = self.demonstrations.load()
+        """Take the images that demonstrations come with, and make those of the others."""
+        environment = read_settings(EnvironmentConfig, self.environment)
+        images, shown = DemonstratedImages(environment, self.config), self.demonstrations.load()
         for item in items:
             if item not in shown:
                 yield {LEFT_OUT: True}
                 continue
-            yield self.write(item, [(environment, shown[item].observations)])
+            own = self.demonstrations.with_own_images(item)
+            seen = shown[item].observations if own is None else own
+            yield self.write(item, [images.of(seen, self.demonstrations.source)])
 
     def outputs(self, item: str) -> list[Path]:
         """Return an item's files; a demonstration that was left out has none."""

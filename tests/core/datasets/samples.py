@@ -1,6 +1,7 @@
 """Demonstrations of random numbers, written as LeRobot data sets."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,8 @@ SPACE = PrimitiveSpace(
     ),
 )
 LENGTHS = (30, 25, 41)
+CAMERAS = {"top": (10, 16), "wrist": (8, 8)}
+"""Of pictured demonstrations: height and width [pixels]."""
 DATA = "data/chunk-000/file-000.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 ENVIRONMENT = {"type": "robosuite/pick-place", "item": "milk"}
@@ -50,6 +53,16 @@ def demonstration(
     seen = Observations(robot.astype(np.float32), np.hstack(things).astype(np.float32))
     states = generator.normal(size=(frames, 20)) if simulated else None
     return Demonstration(seen, actions.astype(np.float32), task, states)
+
+
+def pictured(item: Demonstration, seed: int = 0) -> Demonstration:
+    """Return a demonstration with noise as the images of two cameras, which differ in size."""
+    generator = np.random.default_rng([seed, 7])
+    images = {
+        name: generator.integers(0, 256, (len(item.observations), *size, 3)).astype(np.uint8)
+        for name, size in CAMERAS.items()
+    }
+    return replace(item, observations=replace(item.observations, images=images))
 
 
 def segments_of(frames: int) -> list[Segment]:
@@ -90,3 +103,22 @@ def fingerprint(folder: Path) -> dict[str, str]:
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
+
+
+def record(recorder: Any, item: Demonstration, finish: bool = True, **more: Any) -> None:
+    """Record an episode as LeRobot's users do."""
+    for step in range(len(item.observations)):
+        frame = {
+            "observation.state": item.observations.state[step],
+            "observation.environment_state": item.observations.environment_state[step],
+            "action": item.actions[step],
+            "task": item.task,
+        }
+        for name, images in item.observations.images.items():
+            frame[f"observation.images.{name}"] = images[step]
+        if item.simulator_states is not None:
+            frame["simulator_state"] = item.simulator_states[step]
+        recorder.add_frame(frame | more)
+    recorder.save_episode()
+    if finish:
+        recorder.finalize()

@@ -16,7 +16,7 @@ from prime_core.contracts.demonstration import Demonstration, DemonstratorConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import Action, Environment, EnvironmentConfig, Observation
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
-from prime_core.contracts.observations import Observations
+from prime_core.contracts.observations import Modality, Observations
 from prime_core.contracts.policy import (
     MotorPolicy,
     MotorPolicyConfig,
@@ -33,7 +33,7 @@ from ..point_mass import PointMass
 
 
 class Seen(PointMass):
-    """Remembers what it was reset with."""
+    """Remembers what it was reset with; its pictures are grey, the lighter the higher it is."""
 
     seeds: ClassVar[list[int | None]] = []
 
@@ -42,6 +42,13 @@ class Seen(PointMass):
     ) -> tuple[Observation, dict[str, Any]]:
         self.seeds.append(seed)
         return super().reset(seed=seed, options=options)
+
+    def pictures(
+        self, seen: Observations, cameras: Sequence[str], height: int, width: int
+    ) -> dict[str, NDArray[np.uint8]]:
+        greys = np.rint(seen.gripper_position[:, 2] * 100).astype(np.uint8)
+        shape = (len(seen), height, width, 3)
+        return {name: np.broadcast_to(greys[:, None, None, None], shape).copy() for name in cameras}
 
 
 class PointMassConfig(EnvironmentConfig):
@@ -148,6 +155,28 @@ class HeightModelConfig(IdmConfig):
         return HeightModel(context.space)
 
 
+class GreyModel(HeightModel):
+    """A model of heights that are told from pictures."""
+
+    sees = ("proprioception", "images")
+
+    def encode(self, seen: Observations) -> NDArray[np.float32]:
+        (images,) = seen.images.values()
+        greys = images[np.arange(len(seen))].mean(axis=(1, 2, 3))
+        return (greys[:, None] / 100).astype(np.float32)
+
+
+class GreyModelConfig(HeightModelConfig):
+    """Settings of the model."""
+
+    @property
+    def modalities(self) -> tuple[Modality, ...]:
+        return GreyModel.sees
+
+    def load(self, folder: Path, context: ModelContext) -> InverseDynamicsModel:
+        return GreyModel(context.space)
+
+
 def _save_numbers(context: TrainingContext, values: Floats) -> list[Path]:
     context.folder.mkdir(exist_ok=True)
     paths = [context.folder / f"{number}.txt" for number in range(2)]
@@ -236,6 +265,7 @@ def _demonstrators(register: Any) -> None:
 @hookimpl
 def _idms(register: Any) -> None:
     register("toy/height", HeightModelConfig)
+    register("toy/grey", GreyModelConfig)
 
 
 @hookimpl

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from prime_core.datasets.read import write_dataset
+from prime_core.experiments.stages.images import DemonstrationImages
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.registry.building import build_world
@@ -13,12 +14,16 @@ from prime_core.reporting.timeline import draw_timeline
 
 
 class Export(Stage):
-    """Parsed demonstrations as a LeRobot data set, and a picture of each."""
+    """Parsed demonstrations as a LeRobot data set, and a picture of each.
+
+    The data set has images where the experiment has images of demonstrations.
+    """
 
     title: ClassVar[str] = "export"
     unit: ClassVar[str] = "outputs"
 
     parsing: Parsing
+    images: DemonstrationImages | None = None
 
     def items(self) -> list[str]:
         """Return the outputs."""
@@ -30,7 +35,7 @@ class Export(Stage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Write outputs."""
-        parsed = [*self.parsing.load().values()]
+        parsed = [*self.parsing.load(self.images).values()]
         collection = self.parsing.idm.collection
         world = build_world(self.parsing.demonstrations.environment, collection.primitives)
         for item in items:
