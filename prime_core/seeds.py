@@ -15,6 +15,7 @@ class Stream(IntEnum):
     FRESH_TRIALS = 5
     VIDEO = 6
     DEMONSTRATIONS = 7
+    RANDOM_POSES = 8
 
 
 def generator_of(stream: Stream, *numbers: int) -> np.random.Generator:

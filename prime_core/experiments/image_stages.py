@@ -16,6 +16,7 @@ from prime_core.experiments.stages.images import CollectionImages, Demonstration
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.perception import PerceptionTraining
 from prime_core.experiments.stages.policy import PolicyTraining
+from prime_core.experiments.stages.randomised_images import RandomisedImages
 from prime_core.experiments.stages.stage import Stage
 from prime_core.registry.fields import dump_choice
 
@@ -67,6 +68,8 @@ class ImageStages:
         if any(isinstance(stage, DemonstrationImages) for stage in used):
             stages["images.demonstrations"] = self.demonstrations
         if self.perception is not None:
+            if self.perception.randomised is not None:
+                stages["images.randomised"] = self.perception.randomised
             stages["perception"] = self.perception
         return stages
 
@@ -100,9 +103,15 @@ def image_stages(
     shown = make(DemonstrationImages, demonstrations=demonstrations, cameras=cameras)
     perception = None
     if config.perception is not None:
+        images = rollouts if config.perception.taught_on == "rollouts" else shown
+        share = config.images.randomised_share
+        randomised = make(
+            RandomisedImages, images=images, cameras=cameras, share=share, seed=config.seed
+        )
         perception = make(
             PerceptionTraining,
-            images=rollouts if config.perception.taught_on == "rollouts" else shown,
+            images=images,
+            randomised=randomised if share else None,
             perception=dump_choice(config.perception),
             seed=config.seed,
             device=config.compute.device,

@@ -7,7 +7,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, TypeAdapter, field_validator, model_validator
 
 from prime_core.collection.settings import CollectionConfig
-from prime_core.configuration import Config, Count, Seed
+from prime_core.configuration import Config, Count, Seed, Share
 from prime_core.contracts.images import CameraConfig
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.compute import ComputeConfig
@@ -41,6 +41,8 @@ class ImageConfig(CameraConfig):
     frames_within: int = Field(8, ge=0, le=1000)
     """Of each rollout, evenly apart, besides those at its ends: images tell more apart than poses
     do, and the first frames of rollouts alone are too few to learn them from."""
+    randomised_share: Share = 0.4
+    """Of those frames that a perception is also shown with objects elsewhere, and fallen."""
     other_pairs: Count = 10
     """Pairs of `other` of each episode, at most, that an IDM of images learns from: each has images
     of its own."""

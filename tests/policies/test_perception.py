@@ -5,12 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from prime_core.checks import check_perception
 from prime_core.checks.samples import CONTEXT, FRAMES, sample_observations
+from prime_core.collection.random_poses import with_random_poses
 from prime_core.contracts.observations import Observations
 from prime_core.contracts.training import TrainingContext
 from prime_core.errors import DatasetError, WeightsError
+from prime_core.learning.scene_features import FeatureEncoder
 from prime_policies.encoders.config import SmallCnnConfig
 from prime_policies.perception.config import PoseNetworkConfig
 from prime_policies.perception.perception import PosePerception
@@ -93,3 +96,19 @@ def test_without_images_or_poses_there_is_nothing_to_learn(tmp_path: Path) -> No
         PosePerception.fit(QUICK, seen.only(["proprioception", "images"]), context(tmp_path))
     with pytest.raises(DatasetError, match="was given no cameras"):
         PosePerception(QUICK, replace(CONTEXT, cameras=None), 0)
+
+
+def test_any_pose_can_be_told() -> None:
+    """What is made of the targets of poses looks as they do."""
+    network = PosePerception(QUICK, CONTEXT, 0).network
+    seen = with_random_poses(shown(0, 500), np.random.default_rng(1))
+    targets = torch.from_numpy(network.targets(seen))
+    network.measure(torch.zeros(2, 6), targets)
+    told = targets.clone()
+    told[..., :3] = (targets[..., :3] - network.mean) / network.scale
+    told[..., 8] -= 0.5  # a logit
+    found = Observations(seen.state, network.environment_state(told))
+    np.testing.assert_allclose(found.object_positions, seen.object_positions, atol=1e-5)
+    np.testing.assert_array_equal(found.held, seen.held)
+    features = FeatureEncoder(CONTEXT.description)
+    np.testing.assert_allclose(features.encode(found), features.encode(seen), atol=2e-3)

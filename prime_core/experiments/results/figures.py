@@ -59,7 +59,7 @@ def _collection(values: dict[str, Any]) -> Figures:
 
 def _images(results: dict[str, Any]) -> Figures:
     found = {}
-    for name in ("rollouts", "pairs", "demonstrations"):
+    for name in ("rollouts", "pairs", "demonstrations", "randomised"):
         made = results.get(f"images.{name}")
         if made is not None:
             found[f"images of {name}"] = (

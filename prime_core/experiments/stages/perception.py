@@ -7,9 +7,11 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from prime_core.configuration import ConfigDump
+from prime_core.contracts.observations import Observations
 from prime_core.contracts.perception import Perception, PerceptionConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
+from prime_core.experiments.stages.randomised_images import RandomisedImages
 from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Result, Stage
 from prime_core.learning.perception_report import report_on_perception
 from prime_core.registry.building import build_world
@@ -23,7 +25,9 @@ class PerceptionTraining(Stage):
     unit: ClassVar[str] = "models"
 
     images: Annotated[CollectionImages | DemonstrationImages, Field(discriminator="kind")]
-    """What it is taught on."""
+    """What it is taught on, and tested on."""
+    randomised: RandomisedImages | None = None
+    """What it is taught on besides."""
     perception: ConfigDump
     seed: int
     device: str = "auto"
@@ -45,7 +49,7 @@ class PerceptionTraining(Stage):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train the perception, and test it on frames that it has not seen."""
         for item in items:
-            taught_on, held_out = self.images.frames_to_learn(), self.images.held_out_frames()
+            taught_on, held_out = self._frames_to_learn(), self.images.held_out_frames()
             context = TrainingContext(
                 **vars(self._context()),
                 folder=self.folder / item,
@@ -58,6 +62,12 @@ class PerceptionTraining(Stage):
                 tested = report_on_perception(perception, held_out, context.description)
                 result["objects"] = tested
             yield result
+
+    def _frames_to_learn(self) -> Observations:
+        frames = self.images.frames_to_learn()
+        if self.randomised is None:
+            return frames
+        return Observations.join([frames, self.randomised.frames_to_learn()])
 
     def _context(self) -> ModelContext:
         world = build_world(self.images.environment, ())  # what it tells hangs on no primitive

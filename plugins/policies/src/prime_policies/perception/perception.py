@@ -93,7 +93,7 @@ class PosePerception(Perception):
 
     @torch.inference_mode()
     def see(self, seen: Observations) -> Observations:
-        """Return instants with the poses of upright objects; see `Perception`."""
+        """Return instants with the poses that are told; see `Perception`."""
         states = []
         with threads():
             for start in range(0, len(seen), AT_ONCE):
