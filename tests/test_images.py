@@ -14,6 +14,7 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.parse_dataset import parse_foreign
 from prime_core.experiments.reading import read_experiment
 from prime_core.registry.fields import read_settings
+from prime_core.rotations import rotation_matrix
 
 from .test_pipeline import QUICK, prime
 
@@ -29,6 +30,7 @@ SETTINGS = (
     "steps_per_epoch: 10, finetuning_steps_per_epoch: 10}}",
     "evaluation={trials: 1, top_checkpoints: 1, fresh_trials: 0, maximum_steps: 60}",
 )
+ALL = ("images.rollouts", "images.pairs", "images.demonstrations", "images.randomised")
 
 
 def experiment(out: Path, *settings: str) -> Experiment:
@@ -95,12 +97,13 @@ def test_no_images_are_made_where_no_model_sees_any(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("settings", "expected"),
     [
-        ((), ["images.rollouts", "images.pairs", "images.demonstrations"]),
-        (("perceived_by=[idm]",), ["images.rollouts", "images.pairs", "images.demonstrations"]),
-        (("perceived_by=[policies]",), ["images.rollouts", "images.demonstrations"]),
+        ((), [*ALL]),
+        (("images.randomised_share=0",), [name for name in ALL if "randomised" not in name]),
+        (("perceived_by=[idm]",), [*ALL]),
+        (("perceived_by=[policies]",), [name for name in ALL if "pairs" not in name]),
         (
             ("perception.taught_on=demonstrations", "policies.prime.pretrain=false"),
-            ["images.pairs", "images.demonstrations"],
+            ["images.pairs", "images.demonstrations", "images.randomised"],
         ),
         (
             (
@@ -108,7 +111,7 @@ def test_no_images_are_made_where_no_model_sees_any(tmp_path: Path) -> None:
                 "perception.taught_on=demonstrations",
                 "policies.prime.pretrain=false",
             ),
-            ["images.demonstrations"],
+            ["images.demonstrations", "images.randomised"],
         ),
     ],
 )
@@ -125,6 +128,20 @@ def test_an_idm_of_images_learns_from_a_few_pairs_of_other(made: Experiment) -> 
     assert 0 < len(table.others) <= 2 * 3
     for frames in (table.rollouts[:, :2], table.others, table.late_ends):
         table.rows(frames)  # all have images
+
+
+def test_a_perception_is_shown_fallen_objects_too(made: Experiment) -> None:
+    perception = made.images.perception
+    assert perception is not None and perception.randomised is not None
+    seen = perception.randomised.frames_to_learn()
+    first = seen[np.arange(3)]
+    environment = read_settings(EnvironmentConfig, made.demonstrations.environment).build()
+    expected = environment.pictures(first.only(["proprioception", "objects"]), ["wrist"], 40, 40)
+    np.testing.assert_array_equal(np.asarray(first.images["wrist"]), expected["wrist"])
+    up = rotation_matrix(seen.object_quaternions[:, 0])[:, 2, 2]
+    assert (np.abs(up) < 0.3).any() and (up > 0.99).any()
+    share = len(seen) / len(made.images.rollouts.frames_to_learn())
+    assert 0.35 < share < 0.45
 
 
 def test_seeds_models_and_variants_share_a_perception(tmp_path: Path) -> None:
