@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.observations import Observations
@@ -32,6 +32,7 @@ class PerceptionTraining(Stage):
     seed: int
     device: str = "auto"
     _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = DEVICE_IS_NO_IDENTITY
+    _loaded: Perception | None = PrivateAttr(None)  # each checkpoint of a policy asks for it
 
     @property
     def config(self) -> PerceptionConfig:
@@ -75,5 +76,7 @@ class PerceptionTraining(Stage):
 
     def load(self) -> Perception:
         """Return the trained perception."""
-        self.results()
-        return self.config.load(self.folder / "model", self._context())
+        if self._loaded is None:
+            self.results()
+            self._loaded = self.config.load(self.folder / "model", self._context())
+        return self._loaded
