@@ -51,4 +51,5 @@ def test_streams_keep_their_numbers() -> None:
         "FRESH_TRIALS": 5,
         "VIDEO": 6,
         "DEMONSTRATIONS": 7,
+        "RANDOM_POSES": 8,
     }
