@@ -19,8 +19,8 @@ TURN_WEIGHT, HELD_WEIGHT = 0.3, 0.1
 """In the loss, of a position 1: places are what most parameters follow from."""
 LINEAR_FROM = 0.1
 """Of a position's miss, over the spread of positions: beyond it the loss grows with the miss, not
-its square. With 1, misses of centimetres hardly count: after 1,000 steps on PickPlace 15 mm in the
-median, where they are 10 mm with this."""
+its square. With 1, as is usual, a miss of a centimetre hardly counts where things lie decimetres
+apart."""
 TOLD = 9  # numbers of an object
 PLACE, UP, YAW, HELD = slice(0, 3), slice(3, 6), slice(6, 8), 8
 """Of what is told: position; direction of the object's z axis; cosine and sine of its yaw times its
