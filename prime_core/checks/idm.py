@@ -7,11 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Indices
-from prime_core.checks.requirement import CheckError, require, require_array, require_images_agree
+from prime_core.checks.requirement import (
+    require,
+    require_array,
+    require_images_agree,
+    require_missing_is_told,
+)
 from prime_core.checks.samples import CONTEXT, SPACE, sample_observations, sample_pairs
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.training import TrainingContext
-from prime_core.errors import PrimeError
 
 Numbers = NDArray[np.floating]
 
@@ -34,7 +38,8 @@ def check_idm(config: IdmConfig, seed: int = 0) -> None:
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        _check_missing(config, folder / "missing")
+        (folder / "missing").mkdir()
+        require_missing_is_told(lambda: config.load(folder / "missing", CONTEXT), "an empty folder")
         model = _fit(config, folder / "first", seed)
         answers = _check_answers(model, seed)
         advice = "weights and all that answers depend on must be kept in the folder"
@@ -68,20 +73,6 @@ def _fit(config: IdmConfig, folder: Path, seed: int) -> InverseDynamicsModel:
     require(model.space == SPACE, "the model's space must be the one that fit() was given")
     require_images_agree(model.sees, config)
     return model
-
-
-def _check_missing(config: IdmConfig, folder: Path) -> None:
-    folder.mkdir()
-    try:
-        config.load(folder, CONTEXT)
-    except PrimeError:
-        return
-    except Exception as problem:
-        raise CheckError(
-            f"load() of an empty folder raises {type(problem).__name__}: it must raise a "
-            "PrimeError that says what is missing"
-        ) from problem
-    raise CheckError("load() of an empty folder returns a model: it must raise a PrimeError")
 
 
 def _check_answers(model: InverseDynamicsModel, seed: int) -> list[Numbers]:

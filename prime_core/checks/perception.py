@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.checks.requirement import CheckError, require, require_array
-from prime_core.checks.samples import CAMERAS, CONTEXT, sample_observations
-from prime_core.contracts.observations import Observations
+from prime_core.checks.requirement import require, require_array, require_missing_is_told
+from prime_core.checks.samples import CAMERAS, CONTEXT, DESCRIPTION, sample_observations
+from prime_core.contracts.observations import OBJECT_WIDTH, Observations
 from prime_core.contracts.perception import Perception, PerceptionConfig
 from prime_core.contracts.training import TrainingContext
-from prime_core.errors import PrimeError
 
 TOLERANCE = 1e-4
 """Relative and absolute; of poses that must agree. Networks compute in float32."""
@@ -40,7 +39,8 @@ def check_perception(config: PerceptionConfig, seed: int = 0) -> None:
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        _check_missing(config, folder / "missing")
+        (folder / "missing").mkdir()
+        require_missing_is_told(lambda: config.load(folder / "missing", CONTEXT), "an empty folder")
         perception = _fit(config, folder / "first", seed)
         told = _check_told(perception, seed)
         advice = "weights and all that answers depend on must be kept in the folder"
@@ -72,20 +72,6 @@ def _fit(config: PerceptionConfig, folder: Path, seed: int) -> Perception:
         f"its cameras are {perception.cameras!r}: they must be the context's",
     )
     return perception
-
-
-def _check_missing(config: PerceptionConfig, folder: Path) -> None:
-    folder.mkdir()
-    try:
-        config.load(folder, CONTEXT)
-    except PrimeError:
-        return
-    except Exception as problem:
-        raise CheckError(
-            f"load() of an empty folder raises {type(problem).__name__}: it must raise a "
-            "PrimeError that says what is missing"
-        ) from problem
-    raise CheckError("load() of an empty folder returns a perception: it must raise a PrimeError")
 
 
 def _check_told(perception: Perception, seed: int) -> NDArray[np.float32]:
@@ -127,10 +113,8 @@ def _told(perception: Perception, seen: Observations) -> NDArray[np.float32]:
         np.array_equal(found.state, seen.state),
         "see() changed the robot's state: it must be what it was",
     )
-    width = sample_observations(np.random.default_rng(0), 1).environment_state
-    columns = 0 if width is None else width.shape[1]
-    told = found.environment_state
-    require_array(told, (len(seen), columns), np.float32, "environment_state of what see() returns")
+    told, width = found.environment_state, OBJECT_WIDTH * len(DESCRIPTION.objects)
+    require_array(told, (len(seen), width), np.float32, "environment_state of what see() returns")
     return np.asarray(told, dtype=np.float32)
 
 

@@ -1,6 +1,6 @@
 """How a check says what is wrong."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -68,3 +68,25 @@ def require_images_agree(sees: Sequence[Modality], config: TrainableConfig) -> N
         f"the model sees {tuple(sees)}, its settings' modalities are {config.modalities}: both or "
         "neither must name images, for a run makes images by what the settings say",
     )
+
+
+def require_missing_is_told(load: Callable[[], object], place: str) -> None:
+    """Require that loading what was never trained raises a PrimeError.
+
+    Args:
+        load: Loads it.
+        place: What there is instead, for the text.
+
+    Raises:
+        CheckError: If it raises another error, or none.
+    """
+    try:
+        load()
+    except PrimeError:
+        return
+    except Exception as problem:  # a stranger's code
+        raise CheckError(
+            f"load() of {place} raises {type(problem).__name__}: it must raise a PrimeError that "
+            "says what is missing"
+        ) from problem
+    raise CheckError(f"load() of {place} returns a model: it must raise a PrimeError")

@@ -1,19 +1,19 @@
 """The stage that trains the inverse dynamics model."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import ClassVar
 
 from prime_core.collection.rollouts import FrameConfig, RolloutTable
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.idm import IdmConfig, InverseDynamicsModel
 from prime_core.contracts.perception import Perception
-from prime_core.contracts.training import ModelContext, TrainingContext
+from prime_core.contracts.training import ModelContext
 from prime_core.execution.world import World
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.images import CollectionImages
+from prime_core.experiments.stages.model_training import ModelTraining
 from prime_core.experiments.stages.perception import PerceptionTraining
-from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Result, Stage
+from prime_core.experiments.stages.stage import Result
 from prime_core.learning.idm_report import report_on
 from prime_core.learning.perceived import PerceivedIdm, perceived_calls
 from prime_core.learning.training_pairs import PairConfig, training_pairs
@@ -21,11 +21,10 @@ from prime_core.registry.fields import read_settings
 from prime_core.seeds import Stream, generator_of
 
 
-class IdmTraining(Stage):
+class IdmTraining(ModelTraining):
     """An IDM, trained on the collected rollouts."""
 
     title: ClassVar[str] = "idm"
-    unit: ClassVar[str] = "models"
 
     collection: Collection
     rollout_images: CollectionImages | None = None
@@ -34,22 +33,11 @@ class IdmTraining(Stage):
     """What tells the IDM object poses; None for the simulator."""
     pairs: ConfigDump
     idm: ConfigDump
-    seed: int
-    device: str = "auto"
-    _exclude_from_cls_uid: ClassVar[tuple[str, ...]] = DEVICE_IS_NO_IDENTITY
 
     @property
     def config(self) -> IdmConfig:
         """Which model."""
         return read_settings(IdmConfig, self.idm)
-
-    def items(self) -> list[str]:
-        """Return the one item."""
-        return ["model"]
-
-    def outputs(self, item: str) -> list[Path]:
-        """Return where the model is kept."""
-        return [self.folder / item]
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train the model and test it on held-out rollouts."""
@@ -63,12 +51,7 @@ class IdmTraining(Stage):
             data = training_pairs(table, space, pairs, generator)
             if perception is not None:
                 data = perceived_calls(perception, data)
-            context = TrainingContext(
-                **vars(self._context(world)),
-                folder=self.folder / item,
-                seed=self.seed,
-                progress=self.progress_writer(item),
-            )
+            context = self.training_context(self._context(world), item)
             model = self._seen_through(perception, self.config.fit(data, context))
             exact = pairs.model_copy(update={"jittered_copies": 0, "late_ends": False})
             few = cut == self.collection.config.episodes

@@ -55,10 +55,8 @@ class MotorPolicyTraining(PolicyTraining):
 
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
         """Load a checkpoint; it makes no calls, so that the runner's settings mean nothing."""
-        policy, perception = (
-            self.config.load(checkpoint, self.context(world)),
-            self.load_perception(),
-        )
+        policy = self.config.load(checkpoint, self.context(world))
+        perception = self.load_perception()
         return policy if perception is None else PerceivedMotorPolicy(perception, policy)
 
 

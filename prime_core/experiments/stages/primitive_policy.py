@@ -71,10 +71,8 @@ class PrimitivePolicyTraining(PolicyTraining):
 
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> PrimitiveRunner:
         """Load a checkpoint with the runner that makes its calls; see `PolicyTraining`."""
-        policy, perception = (
-            self.config.load(checkpoint, self.context(world)),
-            self.load_perception(),
-        )
+        policy = self.config.load(checkpoint, self.context(world))
+        perception = self.load_perception()
         if perception is not None:
             policy = PerceivedPolicy(perception, policy)
         return PrimitiveRunner(policy, world.primitives, world.description, runner)

@@ -225,7 +225,10 @@ class LoadsAnother(DriftsConfig):
         (Unseeded(), r"two trainings with seed 0 give two policies"),
         (Miscounts(), r"fit\(\) returned 2 checkpoints where count_checkpoints\(\) is 1"),
         (Elsewhere(), r"must lie in the folder that it was given"),
-        (LoadsAnything(), r"load\(\) of a checkpoint that is not there must raise a PrimeError"),
+        (
+            LoadsAnything(),
+            r"load\(\) of a checkpoint that is not there returns a model: it must raise a PrimeError",
+        ),
         (RaisesOsError(), r"raises FileNotFoundError: it must raise a PrimeError"),
         (LoadsNoPolicy(), r"load\(\) returned a int: it must return a MotorPolicy"),
         (LoadsAnother(), r"a checkpoint loaded twice gives two policies"),

@@ -247,7 +247,10 @@ class LoadsAnother(FixedConfig):
         (NamesWhatIsNotThere(), r"nowhere.*at least one, and each must exist"),
         (Miscounts(), r"fit\(\) returned 1 checkpoints where count_checkpoints\(\) is 3"),
         (ElsewhereConfig(), r"must lie in the folder that it was given"),
-        (LoadsAnything(), r"load\(\) of a checkpoint that is not there must raise a PrimeError"),
+        (
+            LoadsAnything(),
+            r"load\(\) of a checkpoint that is not there returns a model: it must raise a PrimeError",
+        ),
         (RaisesOsError(), r"raises FileNotFoundError: it must raise a PrimeError"),
         (LoadsNoPolicy(), r"load\(\) returned a str: it must return a PrimitivePolicy"),
         (LoadsAnother(), r"a checkpoint loaded twice gives two policies"),
