@@ -105,13 +105,15 @@ def image_stages(
     if config.perception is not None:
         images = rollouts if config.perception.taught_on == "rollouts" else shown
         share = config.images.randomised_share
-        randomised = make(
-            RandomisedImages, images=images, cameras=cameras, share=share, seed=config.seed
-        )
+        randomised = None
+        if share:
+            randomised = make(
+                RandomisedImages, images=images, cameras=cameras, share=share, seed=config.seed
+            )
         perception = make(
             PerceptionTraining,
             images=images,
-            randomised=randomised if share else None,
+            randomised=randomised,
             perception=dump_choice(config.perception),
             seed=config.seed,
             device=config.compute.device,

@@ -249,7 +249,8 @@ class LoadsAnother(FixedConfig):
         (ElsewhereConfig(), r"must lie in the folder that it was given"),
         (
             LoadsAnything(),
-            r"load\(\) of a checkpoint that is not there returns a model: it must raise a PrimeError",
+            r"load\(\) of a checkpoint that is not there returns a model: "
+            r"it must raise a PrimeError",
         ),
         (RaisesOsError(), r"raises FileNotFoundError: it must raise a PrimeError"),
         (LoadsNoPolicy(), r"load\(\) returned a str: it must return a PrimitivePolicy"),
