@@ -37,6 +37,7 @@ MAXIMUM_FILES_AT_THE_TOP = 8
 ORDER = (
     ("",),  # the files at the top of prime_core, but for its __init__
     ("contracts",),
+    ("affordances",),
     ("parsing", "datasets"),
     ("execution",),
     ("collection",),
@@ -63,6 +64,7 @@ PUBLIC = (
     "prime_core",
     "prime_core.hookspecs",
     "prime_core.contracts",
+    "prime_core.affordances",
     "prime_core.arrays",
     "prime_core.configuration",
     "prime_core.errors",

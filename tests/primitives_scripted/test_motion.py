@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from prime_core.affordances.goals import equivalent_goals
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.contracts.scene import Scene
-from prime_primitives_scripted.goal import equivalent_goals
 from prime_primitives_scripted.grasp import CLOSING_STEPS, GraspConfig
 from prime_primitives_scripted.phases import SLOW_STEP, STALL_STEPS
 from prime_primitives_scripted.place import OPENING_STEPS, PlaceConfig

@@ -18,12 +18,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.affordances.goals import offset
 from prime_core.contracts.description import RobotDescription
 from prime_core.errors import PrimeError
 from prime_core.rotations import gripper_down, yaw_of
 from prime_primitives_scripted.clearance import Clearance
 from prime_primitives_scripted.elbow import Elbow
-from prime_primitives_scripted.goal import offset
 
 Array = NDArray[np.float64]
 

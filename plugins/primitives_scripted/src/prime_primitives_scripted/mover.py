@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.affordances.goals import gripper_goal, offset
 from prime_core.contracts.environment import Action
 from prime_core.contracts.scene import Scene
-from prime_primitives_scripted.goal import gripper_goal, offset
 from prime_primitives_scripted.servo import Servo
 
 Array = NDArray[np.float64]

@@ -8,14 +8,14 @@ from collections.abc import Callable, Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.contracts.environment import Action
-from prime_core.contracts.scene import Scene
-from prime_primitives_scripted.goal import (
+from prime_core.affordances.goals import (
     distance,
     gripper_goal,
     jaw_distance,
     plane_distance,
 )
+from prime_core.contracts.environment import Action
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.mover import Mover
 
 Array = NDArray[np.float64]

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from prime_core.affordances.goals import jaw_distance, plane_distance
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
 from prime_core.contracts.scene import Scene
-from prime_primitives_scripted.goal import jaw_distance, plane_distance
 from prime_primitives_scripted.mover import CLOSE, OPEN, Mover
 from prime_primitives_scripted.phases import hold
 from prime_primitives_scripted.scripted import (

@@ -7,13 +7,13 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from prime_core.affordances import prior
+from prime_core.affordances.goals import distance
 from prime_core.configuration import Range, within
 from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
 from prime_core.contracts.scene import Scene
-from prime_primitives_scripted import prior
-from prime_primitives_scripted.goal import distance
 from prime_primitives_scripted.mover import CLOSE, Mover
 from prime_primitives_scripted.phases import at_most, settle
 from prime_primitives_scripted.scripted import (

@@ -9,17 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from prime_core.contracts.calls import Parameter, ParameterSpace
-from prime_core.contracts.description import Affordance, SceneDescription
-from prime_core.contracts.primitive import Primitive, PrimitiveConfig
-from prime_core.contracts.scene import Scene
-from prime_primitives_scripted import prior
-from prime_primitives_scripted.goal import (
-    JAW_PERIOD,
+from prime_core.affordances import prior
+from prime_core.affordances.goals import (
     distance,
     equivalent_goals,
     jaw_distance,
 )
+from prime_core.affordances.pose_space import pose_space
+from prime_core.contracts.description import Affordance, SceneDescription
+from prime_core.contracts.primitive import Primitive, PrimitiveConfig
+from prime_core.contracts.scene import Scene
 from prime_primitives_scripted.mover import Mover
 from prime_primitives_scripted.phases import Phase, approach, at_most
 from prime_primitives_scripted.servo import make_servo
@@ -114,15 +113,3 @@ def lies_still(scenes: Sequence[Scene], index: int) -> bool:
     """
     before, after = (scene.object_positions[index] for scene in scenes[-2:])
     return float(np.linalg.norm(after - before)) < STILL
-
-
-def pose_space(description: SceneDescription) -> ParameterSpace:
-    """Return the space of gripper poses in the workspace box, with yaw within a quarter turn."""
-    positions = [
-        Parameter(name, "m", low, high)
-        for name, low, high in zip(
-            ("x", "y", "z"), description.workspace_low, description.workspace_high, strict=True
-        )
-    ]
-    yaw = Parameter("yaw", "rad", -JAW_PERIOD / 2, JAW_PERIOD / 2, period=JAW_PERIOD)
-    return ParameterSpace((*positions, yaw))

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.affordances.goals import equivalent_goals
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.contracts.scene import Scene
 from prime_core.errors import PrimeError
-from prime_primitives_scripted.goal import equivalent_goals
 
 if TYPE_CHECKING:
     from prime_primitives_scripted.ik import InverseKinematics

@@ -9,10 +9,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.affordances.goals import plane_distance
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle
-from prime_primitives_scripted.goal import plane_distance
 
 Array = NDArray[np.float64]
 

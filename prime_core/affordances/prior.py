@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from prime_core.affordances.goals import JAW_PERIOD
 from prime_core.contracts.calls import ParameterSpace
 from prime_core.contracts.description import Affordance
 from prime_core.contracts.scene import Scene
 from prime_core.rotations import wrap_angle, yaw_of
-from prime_primitives_scripted.goal import JAW_PERIOD
 
 Array = NDArray[np.float64]
 
