@@ -130,7 +130,7 @@ def _draw_for_held(
     assert scene.held is not None, "an affordance of what is held is usable with something held"
     away = scene.gripper_position - scene.object_positions[scene.object_index(scene.held)]
     turns = _turns_of_held(scene, affordance)
-    values = np.zeros(4)
+    values: Array = np.zeros(4)
     for _ in range(REDRAWS):
         if turns is None:
             turn = float(generator.uniform(-GREATEST_TURN, GREATEST_TURN))

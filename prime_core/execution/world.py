@@ -43,7 +43,19 @@ def primitive_space(primitives: Sequence[Primitive]) -> PrimitiveSpace:
         ConfigurationError: If two have the same name.
     """
     names = tuple(item.name for item in primitives)
+    check_names(names)
+    return PrimitiveSpace(names, tuple(item.parameter_space for item in primitives))
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Make sure that primitives are told apart by their names.
+
+    Raises:
+        ConfigurationError: If two have the same name.
+    """
     for name in names:
         if names.count(name) > 1:
-            raise ConfigurationError(f"primitives: two of them are named {name!r}: leave one out")
-    return PrimitiveSpace(names, tuple(item.parameter_space for item in primitives))
+            raise ConfigurationError(
+                f"primitives: two of them are named {name!r}: leave one out, or give a learned one "
+                "another name"
+            )

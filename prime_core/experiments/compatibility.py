@@ -1,12 +1,13 @@
 """Makes sure that an experiment's parts go together, before hours of work."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.calls import ParameterSpace
+from prime_core.contracts.primitive import LearnedPrimitiveConfig, PrimitiveConfig
 from prime_core.errors import ConfigurationError
-from prime_core.execution.world import World
+from prime_core.execution.world import World, check_names
 from prime_core.experiments.settings import ExperimentConfig
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import dump_choice
@@ -19,7 +20,8 @@ def check_primitives(config: ExperimentConfig) -> None:
     """Make sure that primitives are told apart by their names.
 
     To know a name takes building the environment, which takes seconds: it is done where two are
-    registered under the same last word, as ``scripted/reach`` and ``mylab/reach``.
+    registered under the same last word, as ``scripted/reach`` and ``mylab/reach``. The settings of
+    learned primitives say it; they need not be trained yet.
 
     Args:
         config: With its variants.
@@ -31,14 +33,24 @@ def check_primitives(config: ExperimentConfig) -> None:
     members |= {f"variants.{name}.": item for name, item in config.resolved_variants.items()}
     seen = []
     for prefix, member in members.items():
-        parts = dump_choice(member.environment), tuple(map(dump_choice, member.primitives))
-        words = [str(dump["type"]).rpartition("/")[2] for dump in parts[1]]
+        called, others = _called(member.primitives)
+        parts = dump_choice(member.environment), others, called
+        words = [*called, *(str(dump["type"]).rpartition("/")[2] for dump in others)]
         if len(set(words)) < len(words) and parts not in seen:
             seen.append(parts)
             try:
-                build_world(*parts)
+                check_names((*called, *build_world(*parts[:2]).space.names))
             except ConfigurationError as error:
                 raise ConfigurationError(f"{prefix}{error}") from error
+
+
+def _called(
+    primitives: Sequence[PrimitiveConfig],
+) -> tuple[tuple[str, ...], tuple[ConfigDump, ...]]:
+    """Return what learned primitives are called, and the settings of the others."""
+    learned = [item for item in primitives if isinstance(item, LearnedPrimitiveConfig)]
+    others = (item for item in primitives if not isinstance(item, LearnedPrimitiveConfig))
+    return tuple(item.called for item in learned), tuple(map(dump_choice, others))
 
 
 def check_environments(experiment: "Experiment") -> None:
@@ -61,7 +73,7 @@ def check_environments(experiment: "Experiment") -> None:
         others = _other_environments(member, task)
         if not others or not member.parsing.missing():
             continue
-        primitives = member.collection.primitives
+        _, primitives = _called(member.config.primitives)
         right = dict(_seen_by_models(build_world(task, primitives)))
         for index, environment in others.items():
             for part, found in _seen_by_models(build_world(environment, primitives)):

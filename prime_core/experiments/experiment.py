@@ -21,6 +21,7 @@ from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import Demonstrations
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.idm import IdmTraining
+from prime_core.experiments.stages.learned_primitives import LearnedPrimitives, untrained
 from prime_core.experiments.stages.motor_policy import MotorPolicyTraining
 from prime_core.experiments.stages.outputs.export import Export
 from prime_core.experiments.stages.outputs.video import Video
@@ -57,10 +58,13 @@ class Experiment:
             demonstrator=dump_choice(config.demonstrations),
             seed=config.seed,
         )
+        primitives = tuple(map(dump_choice, config.primitives))
+        self.learned = self._learned(untrained(primitives))
         self.collection = self._stage(
             Collection,
             environments=tuple(map(dump_choice, config.collection.environments)) or (environment,),
-            primitives=tuple(map(dump_choice, config.primitives)),
+            primitives=primitives,
+            learned=self.learned,
             settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
         )
@@ -105,6 +109,16 @@ class Experiment:
             name: Experiment(variant, folder, remake=remake)
             for name, variant in config.resolved_variants.items()
         }
+
+    def _learned(self, primitives: tuple[ConfigDump, ...]) -> LearnedPrimitives | None:
+        """Return the stage that trains primitives, or None where there is none to train."""
+        if not primitives:
+            return None
+        config = self.config
+        device = config.compute.device
+        return self._stage(
+            LearnedPrimitives, primitives=primitives, seed=config.seed, device=device
+        )
 
     def _training(self, policy: PolicyConfig) -> PrimitivePolicyTraining | MotorPolicyTraining:
         """Return the stage that trains a policy of either kind."""
@@ -199,6 +213,7 @@ class Experiment:
         """The stages without those of variants, by name, in order."""
         stages: dict[str, Stage] = {
             "demonstrations": self.demonstrations,
+            **({} if self.learned is None else {"primitives": self.learned}),
             "collection": self.collection,
             **self._image_stages(),
             "idm": self.idm,

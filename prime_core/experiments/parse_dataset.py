@@ -172,7 +172,7 @@ def _reads(config_class: type[Config], source: Path) -> bool:
 
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:
     environment = experiment.demonstrations.environment
-    world = build_world(environment, experiment.collection.primitives)
+    world = build_world(environment, experiment.collection.built_from)
     with place_told(target):
         write_dataset(
             target,

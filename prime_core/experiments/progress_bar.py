@@ -1,7 +1,7 @@
 """Shows how far a stage is."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -17,6 +17,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from prime_core.contracts.training import Progress as TrainingProgress
 from prime_core.experiments.stages.stage import Stage
 
 POLL_SECONDS = 0.5
@@ -32,19 +33,36 @@ class _Rate(ProgressColumn):
         return Text(f"{speed:.1f}/s" if speed >= 1 else f"{1 / speed:.1f} s each", style="dim")
 
 
-@contextmanager
-def _progress(console: Console, name: str, stage: Stage, total: int) -> Iterator[None]:
-    bar = Progress(
+def _bar(console: Console, unit: str) -> Progress:
+    return Progress(
         SpinnerColumn(),
         TextColumn("{task.description}"),
         BarColumn(),
-        TextColumn("{task.completed:.1f}/{task.total:.0f} " + stage.unit),
+        TextColumn("{task.completed:.1f}/{task.total:.0f} " + unit),
         _Rate(),
         TimeElapsedColumn(),
         TimeRemainingColumn(),
         console=console,
         transient=True,
     )
+
+
+@contextmanager
+def training_bar(console: Console) -> Iterator[Callable[[str], TrainingProgress]]:
+    """Give a function that returns, for the name of a training, what shows how far it is."""
+    bar = _bar(console, "epochs")
+
+    def start(name: str) -> TrainingProgress:
+        task = bar.add_task(name, total=None)
+        return lambda done, total: bar.update(task, completed=done, total=total)
+
+    with bar:
+        yield start
+
+
+@contextmanager
+def _progress(console: Console, name: str, stage: Stage, total: int) -> Iterator[None]:
+    bar = _bar(console, stage.unit)
     finished = threading.Event()
     with bar:
         task = bar.add_task(name, total=total)

@@ -17,6 +17,7 @@ OWN_DISTRIBUTIONS = (
     "prime-core",
     "prime-envs-robosuite",
     "prime-policies",
+    "prime-primitives-learned",
     "prime-primitives-scripted",
 )
 

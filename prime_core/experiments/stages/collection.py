@@ -14,6 +14,7 @@ from prime_core.collection.recording import CollectedEpisode
 from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import ConfigDump
 from prime_core.execution.world import World
+from prime_core.experiments.stages.learned_primitives import LearnedPrimitives
 from prime_core.experiments.stages.stage import Result, Stage
 from prime_core.registry.building import build_world
 from prime_core.seeds import Stream, generator_of
@@ -30,6 +31,8 @@ class Collection(Stage):
 
     environments: tuple[ConfigDump, ...] = Field(min_length=1)
     primitives: tuple[ConfigDump, ...]
+    learned: LearnedPrimitives | None = None
+    """Trains those of the primitives that are to be trained."""
     settings: ConfigDump
     seed: int
 
@@ -49,7 +52,12 @@ class Collection(Stage):
 
     def build_world(self) -> World:
         """Build where the first episode is collected; the others' worlds have the same models."""
-        return build_world(self.environments[0], self.primitives)
+        return build_world(self.environments[0], self.built_from)
+
+    @property
+    def built_from(self) -> tuple[ConfigDump, ...]:
+        """Settings that the primitives are built from, all of them trained."""
+        return self.primitives if self.learned is None else self.learned.trained(self.primitives)
 
     def items(self) -> list[str]:
         """Return the shards' numbers."""
@@ -57,8 +65,8 @@ class Collection(Stage):
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Collect shards; an episode depends on the seed and its number only."""
-        config = self.config
-        worlds = [build_world(dump, self.primitives) for dump in self.environments]
+        config, primitives = self.config, self.built_from
+        worlds = [build_world(dump, primitives) for dump in self.environments]
         space = worlds[0].space
         for item in items:
             episodes = []

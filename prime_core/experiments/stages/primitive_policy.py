@@ -37,7 +37,7 @@ class PrimitivePolicyTraining(PolicyTraining):
     def build_world(self) -> World:
         """Build where the policy acts."""
         collection = self.parsing.idm.collection
-        return build_world(self.parsing.demonstrations.environment, collection.primitives)
+        return build_world(self.parsing.demonstrations.environment, collection.built_from)
 
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train policies."""

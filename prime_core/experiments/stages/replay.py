@@ -26,7 +26,7 @@ class Replaying(Stage):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Replay demonstrations, with the motor actions of `other` segments and without."""
         collection = self.parsing.idm.collection
-        world = build_world(self.parsing.demonstrations.environment, collection.primitives)
+        world = build_world(self.parsing.demonstrations.environment, collection.built_from)
         parsed = self.parsing.load()
         for item in items:
             if item not in parsed:

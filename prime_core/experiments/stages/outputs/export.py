@@ -37,7 +37,7 @@ class Export(Stage):
         """Write outputs."""
         parsed = [*self.parsing.load(self.images).values()]
         collection = self.parsing.idm.collection
-        world = build_world(self.parsing.demonstrations.environment, collection.primitives)
+        world = build_world(self.parsing.demonstrations.environment, collection.built_from)
         for item in items:
             if item == "dataset":
                 write_dataset(
