@@ -2,7 +2,7 @@
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -21,6 +21,7 @@ from prime_core.checks.requirement import (
     require_missing_is_told,
 )
 from prime_core.checks.samples import CONTEXT, Answer
+from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.observations import Modality
 from prime_core.contracts.policy import (
     MotorPolicy,
@@ -29,7 +30,7 @@ from prime_core.contracts.policy import (
     PrimitivePolicy,
     PrimitivePolicyConfig,
 )
-from prime_core.contracts.training import TrainingContext
+from prime_core.contracts.training import ModelContext, TrainingContext
 
 TOLERANCE = 1e-4
 """Relative and absolute; of answers that must agree. Networks compute in float32."""
@@ -41,11 +42,13 @@ class _Kind:
 
     Attributes:
         base: Of the policies.
+        context: Where they are used.
         fit: Trains one on made-up data.
         answers: Checks what one does, and returns it as something that can be compared.
     """
 
     base: type[Any]
+    context: ModelContext
     fit: Callable[[Any, TrainingContext], Sequence[Path]]
     answers: Callable[[Any, int], list[Answer]]
 
@@ -68,7 +71,7 @@ def check_policy(config: PolicyConfig, seed: int = 0) -> None:
         folder = Path(name)
         untyped: Any = config  # either kind loads
         require_missing_is_told(
-            lambda: untyped.load(folder / "missing", CONTEXT), "a checkpoint that is not there"
+            lambda: untyped.load(folder / "missing", kind.context), "a checkpoint that is not there"
         )
         checkpoints = _fit(kind, config, folder / "first", seed)
         policies = [_load(kind, config, item) for item in checkpoints]
@@ -93,9 +96,10 @@ def check_policy(config: PolicyConfig, seed: int = 0) -> None:
 
 def _kind_of(config: PolicyConfig) -> _Kind:
     if isinstance(config, PrimitivePolicyConfig):
-        return _Kind(PrimitivePolicy, fit_primitive_policy, check_calls)
+        return _Kind(PrimitivePolicy, CONTEXT, fit_primitive_policy, check_calls)
     if isinstance(config, MotorPolicyConfig):
-        return _Kind(MotorPolicy, fit_motor_policy, check_actions)
+        context = replace(CONTEXT, space=PrimitiveSpace((), ()))
+        return _Kind(MotorPolicy, context, fit_motor_policy, check_actions)
     raise CheckError(
         f"{type(config).__name__} must be a subclass of prime_core.PrimitivePolicyConfig or of "
         "prime_core.MotorPolicyConfig"
@@ -104,7 +108,7 @@ def _kind_of(config: PolicyConfig) -> _Kind:
 
 def _fit(kind: _Kind, config: PolicyConfig, folder: Path, seed: int) -> Sequence[Path]:
     folder.mkdir()
-    checkpoints = kind.fit(config, TrainingContext(**vars(CONTEXT), folder=folder, seed=seed))
+    checkpoints = kind.fit(config, TrainingContext(**vars(kind.context), folder=folder, seed=seed))
     found = [path for path in checkpoints if isinstance(path, Path) and path.exists()]
     require(
         len(found) > 0 and len(found) == len(checkpoints),
@@ -125,7 +129,7 @@ def _fit(kind: _Kind, config: PolicyConfig, folder: Path, seed: int) -> Sequence
 
 
 def _load(kind: _Kind, config: Any, checkpoint: Path) -> Any:
-    policy = config.load(checkpoint, CONTEXT)
+    policy = config.load(checkpoint, kind.context)
     require(
         isinstance(policy, kind.base),
         f"load() returned a {type(policy).__name__}: it must return a {kind.base.__name__}",

@@ -1,7 +1,6 @@
 """What is checked of one kind of policies alone: over primitives, and over motor actions."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from prime_core.arrays import Floats
 from prime_core.checks.requirement import require, require_array
 from prime_core.checks.samples import SPACE, Answer, sample_calls, sample_observations
-from prime_core.contracts.calls import PrimitiveCall, PrimitiveSpace
+from prime_core.contracts.calls import PrimitiveCall
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import ACTION_LIMIT
 from prime_core.contracts.observations import Observations
@@ -97,10 +96,11 @@ def _check_call(source: str, call: PrimitiveCall) -> None:
 
 
 def fit_motor_policy(config: MotorPolicyConfig, context: TrainingContext) -> Sequence[Path]:
-    """Train a policy on made-up demonstrations, and return its checkpoints."""
+    """Train a policy on made-up rollouts and demonstrations, and return its checkpoints."""
     generator = np.random.default_rng(context.seed)
     demonstrations = [_demonstration(generator) for _ in range(DEMONSTRATIONS)]
-    return config.fit(demonstrations, replace(context, space=PrimitiveSpace((), ())))
+    rollouts = [_demonstration(generator) for _ in range(DEMONSTRATIONS)]
+    return config.fit(rollouts if config.pretrain else None, demonstrations, context)
 
 
 def check_actions(policy: MotorPolicy, seed: int) -> list[Answer]:

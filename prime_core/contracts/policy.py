@@ -85,7 +85,9 @@ class MotorPolicy(ABC):
 
     @abstractmethod
     def act(self, seen: Observations) -> Action | None:
-        """Return the next motor action, ``(5,)``, or None to give the episode up.
+        """Return the next motor action, or None to give the episode up.
+
+        An action is as wide as those of the demonstrations, ``(A,)``; 5 numbers on a robot.
 
         Args:
             seen: One instant, ``N = 1``.
@@ -136,15 +138,29 @@ class PrimitivePolicyConfig(PolicyConfig):
 class MotorPolicyConfig(PolicyConfig):
     """Settings of a policy over motor actions."""
 
+    pretrain: bool = False
+    """Whether the policy is first trained on all motor actions of the rollouts."""
+
     @abstractmethod
     def fit(
-        self, demonstrations: Sequence[Demonstration], context: TrainingContext
+        self,
+        rollouts: Sequence[Demonstration] | None,
+        demonstrations: Sequence[Demonstration],
+        context: TrainingContext,
     ) -> Sequence[Path]:
         """Train a policy; see `PrimitivePolicyConfig.fit`.
 
+        All actions are equally wide, but not always the 5 numbers of a robot: what is learnt from
+        may hold more. The last frame of each episode has no action that was done.
+
         Args:
+            rollouts: What to pretrain on, or None. An episode is read each time that it is
+                indexed, and going through them in order is fastest.
             demonstrations: As they were recorded.
             context: Where and how; its primitive space is empty.
+
+        Returns:
+            The checkpoints, oldest first; none of a training on rollouts alone.
         """
 
     @abstractmethod

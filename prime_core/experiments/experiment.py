@@ -70,7 +70,7 @@ class Experiment:
         )
         images = image_stages(config, self._stage, self.collection, self.demonstrations)
         self.images = images
-        sees_images = images.seen_by("idm", config.idm)
+        sees_images = config.sees_images("idm", config.idm)
         self.idm = self._stage(
             IdmTraining,
             collection=self.collection,
@@ -129,11 +129,15 @@ class Experiment:
             "device": config.compute.device,
             "perception": self.images.perception_of("policies", policy),
         }
-        sees_images = self.images.seen_by("policies", policy)
+        sees_images = config.sees_images("policies", policy)
         images = self.images.demonstrations if sees_images else None
         if isinstance(policy, MotorPolicyConfig):
             return self._stage(
-                MotorPolicyTraining, demonstrations=self.demonstrations, images=images, **common
+                MotorPolicyTraining,
+                demonstrations=self.demonstrations,
+                collection=self.collection if policy.pretrain else None,
+                images=images,
+                **common,
             )
         pretrained = isinstance(policy, PrimitivePolicyConfig) and policy.pretrain
         return self._stage(

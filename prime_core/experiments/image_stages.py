@@ -45,11 +45,7 @@ class ImageStages:
         self, name: ModelName, config: IdmConfig | PolicyConfig
     ) -> PerceptionTraining | None:
         """Return what tells a model object poses; None for the simulator, or if it needs none."""
-        return self.perception if _is_perceived(self.config, name, config) else None
-
-    def seen_by(self, name: ModelName, config: IdmConfig | PolicyConfig) -> bool:
-        """Whether a model sees images, itself or through the perception."""
-        return _sees_images(self.config, name, config)
+        return self.perception if self.config.is_perceived(name, config) else None
 
     def needed(
         self, idm: IdmTraining, parsing: Parsing, trainings: Iterable[PolicyTraining]
@@ -119,17 +115,3 @@ def image_stages(
             device=config.compute.device,
         )
     return ImageStages(config, rollouts, pairs, shown, perception)
-
-
-def _is_perceived(
-    experiment: ExperimentConfig, name: ModelName, config: IdmConfig | PolicyConfig
-) -> bool:
-    needs_poses = "images" not in config.modalities
-    asked_for = experiment.perception is not None and name in experiment.perceived_by
-    return needs_poses and asked_for
-
-
-def _sees_images(
-    experiment: ExperimentConfig, name: ModelName, config: IdmConfig | PolicyConfig
-) -> bool:
-    return "images" in config.modalities or _is_perceived(experiment, name, config)

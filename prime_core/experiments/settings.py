@@ -8,7 +8,9 @@ from pydantic import Field, TypeAdapter, field_validator, model_validator
 
 from prime_core.collection.settings import CollectionConfig
 from prime_core.configuration import Config, Count, Seed, Share
+from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.images import CameraConfig
+from prime_core.contracts.policy import MotorPolicyConfig, PolicyConfig
 from prime_core.execution.settings import EvaluationConfig
 from prime_core.experiments.compute import ComputeConfig
 from prime_core.experiments.variants import Changes, with_changes
@@ -118,9 +120,31 @@ class ExperimentConfig(Config):
         return seeds
 
     @model_validator(mode="after")
+    def _rollouts_show_motor_policies_no_images(self) -> Self:
+        for name, policy in self.policies.items():
+            pretrained = isinstance(policy, MotorPolicyConfig) and policy.pretrain
+            if pretrained and self.sees_images("policies", policy):
+                raise ValueError(
+                    f"policies.{name}.pretrain: found true for a policy over motor actions that "
+                    "sees images: it would need an image of every frame of the rollouts, and few "
+                    "have one. Set it to false, or let the policy see the simulator's poses: no "
+                    "'perception', or 'perceived_by: [idm]'"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _variants_are_experiments(self) -> Self:
         _ = self.resolved_variants
         return self
+
+    def is_perceived(self, name: ModelName, config: IdmConfig | PolicyConfig) -> bool:
+        """Whether a model is told object poses by the perception."""
+        needs_poses = "images" not in config.modalities
+        return needs_poses and self.perception is not None and name in self.perceived_by
+
+    def sees_images(self, name: ModelName, config: IdmConfig | PolicyConfig) -> bool:
+        """Whether a model sees images, itself or through the perception."""
+        return "images" in config.modalities or self.is_perceived(name, config)
 
     @cached_property
     def resolved_variants(self) -> dict[str, "ExperimentConfig"]:

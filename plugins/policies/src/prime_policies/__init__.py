@@ -18,9 +18,11 @@ def register_idms(register: Register) -> None:
 
 @hookimpl
 def register_policies(register: Register) -> None:
-    """Register the policy ``prime``."""
+    """Register the policies ``prime``, over primitives, and ``bc-rnn``, over motor actions."""
+    from prime_policies.motor.config import BcRnnConfig
     from prime_policies.primitive_policy.config import PrimePolicyConfig
 
+    register("bc-rnn", BcRnnConfig)
     register("prime", PrimePolicyConfig)
 
 

@@ -14,7 +14,8 @@ class Mixture(NamedTuple):
     Attributes:
         logits: Of the components' weights, ``(n, K)``.
         means: ``(n, K, D)``.
-        deviations: Standard deviations, ``(K, D)``.
+        deviations: Standard deviations, ``(K, D)``; ``(n, K, D)`` where they depend on what is
+            seen, which `draw` does not take.
         periods: By which values may differ and mean the same, ``(D,)``; 0 for none.
     """
 

@@ -1,0 +1,50 @@
+"""Settings of policies over motor actions, and of their training."""
+
+from pydantic import Field
+
+from prime_core.configuration import Count
+from prime_policies.training.settings import TrainingSettings, Width
+
+
+class MotorTrainingSettings(TrainingSettings):
+    """How long a network is trained on windows of episodes, and when it is kept."""
+
+    epochs: Count
+    """Epochs on the demonstrations."""
+    pretraining_epochs: Count
+    """Epochs on the rollouts before them, where the policy is pretrained."""
+    checkpoints: int = Field(10, ge=1, le=1000)
+    """Kept after epochs on the demonstrations that are evenly apart, the last one among them; after
+    each where there are fewer epochs."""
+
+    @property
+    def kept_epochs(self) -> list[int]:
+        """Numbers of finished epochs after which the policy is kept, in order."""
+        count = min(self.checkpoints, self.epochs)
+        return [-(-self.epochs * number // count) for number in range(1, count + 1)]
+
+
+class BcRnnSettings(MotorTrainingSettings):
+    """How large the network is, and how it is trained: as robomimic's BC-RNN on object poses."""
+
+    hidden: Width = 400
+    """Units of each recurrent layer."""
+    layers: int = Field(2, ge=1, le=16)
+    """Recurrent layers."""
+    horizon: int = Field(10, ge=1, le=1000)
+    """Steps of a window; at work the recurrent state is forgotten after as many."""
+    components: int = Field(5, ge=1, le=64)
+    """Gaussians in the mixture of actions."""
+    minimum_deviation: float = Field(1e-4, ge=1e-6, le=1)
+    """Least standard deviation of a Gaussian, of actions normalised to [-1, 1]."""
+
+    batch_size: int = Field(100, ge=1, le=16_384)
+    """Windows of a step."""
+    learning_rate: float = Field(1e-4, ge=1e-9, le=1)
+    """Of Adam at the start; it falls to zero by half a cosine (robomimic: it does not fall)."""
+    weight_decay: float = Field(0.0, ge=0, le=1)
+    """None, as in robomimic."""
+    epochs: Count = 20
+    """Epochs on the demonstrations."""
+    pretraining_epochs: Count = 20
+    """Epochs on the rollouts before them, where the policy is pretrained."""
