@@ -39,8 +39,9 @@ def learn_primitives(
         learned = learning.learn_primitives(dataset, out, primitive or (), set_ or (), seed, bar)
     screen.print("To use them, name them in an experiment:\n\nprimitives:", highlight=False)
     for item in learned:
+        pairs = ", ".join(f"{key}: {value}" for key, value in item.settings.items())
         screen.print(
-            f"  - {{type: {item.type}, trained: {item.folder}}}  # {item.segments} segments",
+            f"  - {{{pairs}}}  # {item.segments} segments",
             highlight=False,
             markup=False,
             soft_wrap=True,

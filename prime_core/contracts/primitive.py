@@ -156,4 +156,5 @@ class LearnedPrimitiveConfig(PrimitiveConfig):
 
     def with_trained(self, folder: Path) -> Self:
         """Return the settings with what `fit` left in a folder, ready to be built."""
-        return self.model_copy(update={"segments": None, "trained": folder})
+        own = self.model_dump(exclude_defaults=True, exclude={"segments"})
+        return type(self)(**own, trained=folder)

@@ -20,14 +20,12 @@ class Learned:
     """A primitive that was trained.
 
     Attributes:
-        type: What settings name it by.
+        settings: That build it, as plain data, what is as usual left out.
         segments: How many it was trained on.
-        folder: Where it is.
     """
 
-    type: str
+    settings: ConfigDump
     segments: int
-    folder: Path
 
 
 def learn_primitives(
@@ -62,13 +60,17 @@ def learn_primitives(
         folder = out / name
         training = PrimitiveTraining(folder=folder, seed=seed, progress=progress(name))
         config.fit(primitive_examples(dataset, name), training)
-        learned.append(Learned(str(dump_choice(config)["type"]), counts[name], folder))
+        built = config.with_trained(folder)
+        usual = {"type": dump_choice(config)["type"]}
+        usual |= built.model_dump(mode="json", exclude_unset=True)
+        learned.append(Learned(usual, counts[name]))
     return learned
 
 
 def _settings_for(name: str, dataset: Path, changes: Sequence[str]) -> LearnedPrimitiveConfig:
-    """Return settings of the first registered type that learns segments of a name."""
-    for entry in load_plugins().registry.registrations("primitive"):
+    """Return settings of a registered type that learns segments of a name, its namesake first."""
+    found = load_plugins().registry.registrations("primitive")
+    for entry in sorted(found, key=lambda entry: entry.name.rpartition("/")[2] != name):
         if issubclass(entry.config_class, LearnedPrimitiveConfig):
             config = entry.config_class.for_segments(name, dataset)
             if config is not None:

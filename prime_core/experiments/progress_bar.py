@@ -53,7 +53,7 @@ def training_bar(console: Console) -> Iterator[Callable[[str], TrainingProgress]
     bar = _bar(console, "epochs")
 
     def start(name: str) -> TrainingProgress:
-        task = bar.add_task(name, total=None)
+        task = bar.add_task(name, total=1)
         return lambda done, total: bar.update(task, completed=done, total=total)
 
     with bar:

@@ -1,10 +1,14 @@
 """The frame of a call: what a learned primitive sees of the world, and acts in.
 
-Its origin is where the call's parameters say, its x axis their yaw. Seen from there, all calls of a
-primitive look alike, wherever they are. The parameters themselves are objects of that frame, so
+Its origin is where the call's parameters say. Its x axis points the way that the gripper has to go:
+that of the displacement if there is one, else from where it starts to the origin. The gripper's yaw
+is less the call's. Seen so, all calls of a primitive look alike, wherever they are and from
+whatever side it comes. The parameters themselves are objects of that frame, so
 that any policy over motor actions that sees objects sees them:
 
 - ``goal`` at the origin; it counts as held while the gripper holds something,
+- ``near`` on the way from the gripper to the goal, at most 3 cm along each axis: millimetres count
+  there, and would be lost among the distances of a whole motion,
 - ``floor`` below it, at the height 0 of the world,
 - ``end`` where a displacement ends, if there is one (dx, dy, dz),
 - ``numbers-0``, ... whose positions are three other parameters each, if there are others.
@@ -25,6 +29,8 @@ from prime_core.learning.parameter_layout import POINTS, YAW
 from prime_core.rotations import gripper_down, wrap_angle
 
 POINT, DISPLACEMENT = POINTS
+NEAR = 0.03
+"""How far ahead of the gripper ``near`` lies at most along each axis [m]."""
 
 
 class ParameterPlaces:
@@ -85,7 +91,7 @@ class ParameterPlaces:
     @property
     def description(self) -> SceneDescription:
         """What scenes in the frame of a call are like."""
-        objects = ["goal", "floor", *["end"] * bool(self.displacement)]
+        objects = ["goal", "near", "floor", *["end"] * bool(self.displacement)]
         objects += [f"numbers-{index}" for index in range(-(-len(self.numbers) // 3))]
         return SceneDescription(
             # The jaws repeat after half a turn; all others are points.
@@ -103,18 +109,23 @@ class CallFrame:
     Args:
         places: Of the primitive's parameters.
         parameters: Of the call, ``(P,)``, world frame.
-        yaw: Of the gripper where the motion starts [rad]: of the two yaws that the jaws do not
-            tell apart, the one with the shorter turn is the goal's.
+        position: Of the gripper where the motion starts [m], ``(3,)``.
+        yaw: Of the gripper there [rad]: of the two yaws that the jaws do not tell apart, the one
+            with the shorter turn is the goal's.
     """
 
-    def __init__(self, places: ParameterPlaces, parameters: Array, yaw: float) -> None:
-        self.origin = parameters[places.point]
-        self.yaw = 0.0
+    def __init__(
+        self, places: ParameterPlaces, parameters: Array, position: Array, yaw: float
+    ) -> None:
+        self._origin = parameters[places.point]
+        self._yaw = 0.0
         if places.yaw is not None:
-            self.yaw = yaw + float(wrap_angle(parameters[places.yaw] - yaw, JAW_PERIOD))
-        points = [np.zeros(3), np.array([0.0, 0.0, -self.origin[2]])]
+            self._yaw = yaw + float(wrap_angle(parameters[places.yaw] - yaw, JAW_PERIOD))
+        ahead = parameters[places.displacement] if places.displacement else self._origin - position
+        self._axis = float(np.arctan2(ahead[1], ahead[0]))
+        points = [np.zeros(3), np.zeros(3), np.array([0.0, 0.0, -self._origin[2]])]
         if places.displacement:
-            points.append(turned(parameters[places.displacement], -self.yaw))
+            points.append(turned(ahead, -self._axis))
         numbers = parameters[places.numbers]
         numbers = np.append(numbers, np.zeros(-len(numbers) % 3))
         points += [*numbers.reshape(-1, 3)]
@@ -135,22 +146,24 @@ class CallFrame:
         """
         count = len(positions)
         state = np.zeros((count, 8), dtype=np.float32)
-        state[:, :3] = turned(positions - self.origin, -self.yaw)
-        state[:, 3:7] = gripper_down(yaws - self.yaw)
+        state[:, :3] = turned(positions - self._origin, -self._axis)
+        state[:, 3:7] = gripper_down(yaws - self._yaw)
         state[:, 7] = openings
         objects = np.repeat(self._objects[None], count, axis=0)
         objects[:, 0, 7] = holding
+        objects[:, 1, :3] = state[:, :3] + np.clip(-state[:, :3], -NEAR, NEAR)
         return Observations(state, objects.reshape(count, -1))
 
     def actions_in(self, actions: Floats) -> Floats:
         """Return motor actions of the world, ``(N, 5)``, as they are in the frame."""
-        return self._with_moves(actions, -self.yaw)
+        return self._with_moves(actions, -self._axis)
 
     def action_out(self, action: Array) -> Array:
         """Return a motor action of the frame, ``(5,)``, as it is in the world."""
-        return self._with_moves(action, self.yaw)
+        return self._with_moves(action, self._axis)
 
-    def _with_moves(self, actions: Floats, yaw: float) -> Floats:
+    @staticmethod
+    def _with_moves(actions: Floats, yaw: float) -> Floats:
         result = np.array(actions, dtype=np.float64)
         result[..., :3] = turned(result[..., :3], yaw)
         return result

@@ -21,6 +21,7 @@ from prime_primitives_learned.frame import CallFrame, ParameterPlaces
 from prime_primitives_learned.settings import Tolerances
 
 SLACK = 2.0  # times the longest segment that a motion may take: it may start further away
+SURE = 3  # steps in a row that say that it is over: what a policy draws may be wrong once
 STILL = 0.001  # [m] a step, 20 mm/s: what falls or slides is faster
 PUT_DOWN = (0.03, 0.08)  # [m] that what is let go of may slide and fall and yet be placed
 
@@ -89,10 +90,11 @@ class LearnedPrimitive(Primitive):
 
     def motion(self, scene: Scene, parameters: Array) -> Motion:
         """Return the motion that starts in a scene; see `Primitive`."""
-        frame = CallFrame(self._places, parameters, scene.gripper_yaw)
+        frame = CallFrame(self._places, parameters, scene.gripper_position, scene.gripper_yaw)
         policy = copy.copy(self._policy)  # what it remembers is this motion's
         policy.reset(np.random.default_rng(0))
-        while True:
+        over = 0
+        while over < SURE:
             seen = frame.observations(
                 scene.gripper_position[None],
                 np.array([scene.gripper_yaw]),
@@ -100,8 +102,9 @@ class LearnedPrimitive(Primitive):
                 np.array([scene.holding]),
             )
             action = policy.act(seen.only(policy.sees))
-            if action is None or action[5] > 0:
+            if action is None:
                 return
+            over = over + 1 if action[5] > 0 else 0
             moved = frame.action_out(action[:5])
             scene = yield np.clip(moved, -ACTION_LIMIT, ACTION_LIMIT)
 
