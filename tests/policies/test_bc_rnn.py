@@ -17,6 +17,7 @@ from prime_core.learning.scene_features import FeatureEncoder
 from prime_policies.motor.config import BcRnnConfig
 from prime_policies.motor.fitting import load_bc_rnn
 from prime_policies.motor.windows import Windows
+from prime_policies.training.weights import write_tensors
 
 from .toy_world import BIN, DESCRIPTION, GRASP, PLACE, REACH, World
 
@@ -294,6 +295,9 @@ def test_a_folder_that_is_no_checkpoint_is_refused(
     (first, _) = fit(tmp_path, shown)
     with pytest.raises(PrimeError, match=r"settings\.hidden is 8 there, 48 here"):
         BRIEF.model_copy(update={"hidden": 48}).load(first, CONTEXT)
+    write_tensors(first / "policy.safetensors", {"weight": torch.zeros(2)}, {})
+    with pytest.raises(PrimeError, match=r"holds the weights of another network"):
+        BRIEF.load(first, CONTEXT)
     (first / "policy.safetensors").unlink()
     with pytest.raises(PrimeError, match=r"policy\.safetensors is missing"):
         BRIEF.load(first, CONTEXT)
