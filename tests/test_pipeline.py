@@ -148,6 +148,25 @@ def test_a_variant_adds_what_differs_and_redoes_nothing(finished: Path, tmp_path
     assert set(found["timing"]) - set(before["timing"]) == {"greedy/parsing", "greedy/replay"}
 
 
+def test_a_policy_over_motor_actions_learns_from_rollouts_and_demonstrations(
+    finished: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "runs"
+    shutil.copytree(finished, out, symlinks=True)
+    brief = "hidden: 8, epochs: 2, pretraining_epochs: 1, steps_per_epoch: 5"
+    job = experiment(
+        out,
+        f"policies.motor={{type: bc-rnn, pretrain: true, {brief}}}",
+        "compute.workers=0",
+    )
+    assert not job.demonstrations.missing() and not job.collection.missing()
+    rows = job.evaluations["motor"].trials()
+    for kind, checkpoints in (("checkpoint", ["0", "1"]), ("fresh", ["1"])):
+        assert list(rows[kind]["1"]) == checkpoints
+        for (trial,) in rows[kind]["1"].values():
+            assert trial["steps"] == 40 or trial["success"]
+
+
 def assert_same(first: Any, second: Any) -> None:
     if isinstance(first, dict):
         assert set(first) == set(second)

@@ -3,8 +3,11 @@
 import subprocess
 import sys
 
+import pytest
+
 from prime_core.checks import check_idm, check_policy
 from prime_policies.idm.config import MlpGmmIdmConfig
+from prime_policies.motor.config import BcRnnConfig
 from prime_policies.primitive_policy.config import PrimePolicyConfig
 
 BRIEF = {"hidden_sizes": (16, 16), "steps_per_epoch": 3, "batch_size": 16}
@@ -26,6 +29,21 @@ def test_prime_without_pretraining_keeps_the_contract() -> None:
     check_policy(
         PrimePolicyConfig(
             pretrain=False, finetuning_epochs=2, finetuning_steps_per_epoch=3, **BRIEF
+        )
+    )
+
+
+@pytest.mark.parametrize("pretrain", [False, True])
+def test_bc_rnn_keeps_the_contract(pretrain: bool) -> None:
+    check_policy(
+        BcRnnConfig(
+            pretrain=pretrain,
+            hidden=16,
+            epochs=3,
+            pretraining_epochs=2,
+            checkpoints=2,
+            steps_per_epoch=3,
+            batch_size=16,
         )
     )
 

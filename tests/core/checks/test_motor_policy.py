@@ -46,9 +46,14 @@ class DriftsConfig(MotorPolicyConfig):
         return 0.01 * np.random.default_rng(seed).normal(size=5)
 
     def fit(
-        self, demonstrations: Sequence[Demonstration], context: TrainingContext
+        self,
+        rollouts: Sequence[Demonstration] | None,
+        demonstrations: Sequence[Demonstration],
+        context: TrainingContext,
     ) -> Sequence[Path]:
         assert context.space.names == (), "a motor policy has no primitives"
+        assert (rollouts is not None) == self.pretrain
+        assert not rollouts or rollouts[0].actions.shape == demonstrations[0].actions.shape
         assert len({len(item.observations) for item in demonstrations}) == 1
         actions = np.concatenate([item.actions for item in demonstrations])
         paths = []
@@ -58,13 +63,15 @@ class DriftsConfig(MotorPolicyConfig):
         return paths
 
     def load(self, checkpoint: Path, context: ModelContext) -> MotorPolicy:
+        assert context.space.names == ()
         if not checkpoint.exists():
             raise PrimeError(f"{checkpoint} is not a checkpoint")
         return self.policy(np.loadtxt(checkpoint))
 
 
-def test_a_policy_that_keeps_the_contract_passes() -> None:
-    check_policy(DriftsConfig())
+@pytest.mark.parametrize("pretrain", [False, True])
+def test_a_policy_that_keeps_the_contract_passes(pretrain: bool) -> None:
+    check_policy(DriftsConfig(pretrain=pretrain))
 
 
 class Blind(Drifts):

@@ -34,7 +34,7 @@ def mistake(tmp_path: Path, text: str, *settings: str) -> str:
     return str(raised.value).replace(str(tmp_path / "experiment.yaml"), "FILE")
 
 
-@pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.yaml")), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sorted(EXPERIMENTS.rglob("*.yaml")), ids=lambda path: path.name)
 def test_every_experiment_of_the_project_is_right(path: Path) -> None:
     assert read_experiment(path).name.replace("-", "_") == path.stem
 
@@ -159,6 +159,22 @@ def test_a_mistake_names_file_key_and_what_would_be_right(
     tmp_path: Path, old: str, new: str, text: str
 ) -> None:
     assert text in mistake(tmp_path, GOOD.replace(old, new))
+
+
+def test_rollouts_have_no_images_for_policies_over_motor_actions(tmp_path: Path) -> None:
+    seeing = GOOD + "  ft: {type: bc-rnn, pretrain: true}\nperception: {type: pose-network}\n"
+    assert mistake(tmp_path, seeing) == (
+        "FILE: policies.ft.pretrain: found true for a policy over motor actions that sees images: "
+        "it would need an image of every frame of the rollouts, and few have one. Set it to false, "
+        "or let the policy see the simulator's poses: no 'perception', or 'perceived_by: [idm]'"
+    )
+    read(tmp_path, seeing, "perceived_by=[idm]")
+    read(tmp_path, seeing, "policies.ft.pretrain=false")
+    variant = "variants.seeing={perception: {type: pose-network}}"
+    blind = seeing.partition("perception:")[0]
+    assert mistake(tmp_path, blind, variant).startswith(
+        "FILE: variants.seeing: policies.ft.pretrain: found true"
+    )
 
 
 @pytest.mark.parametrize(

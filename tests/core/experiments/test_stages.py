@@ -11,6 +11,7 @@ from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.results.gathering import write_results
 from prime_core.experiments.running import run_experiment
+from prime_core.experiments.stages.motor_policy import CollectedRollouts
 
 from .toy_pack import HeightModel, Seen
 
@@ -69,6 +70,39 @@ def test_what_calls_are_learnt_with_is_nothing_to_a_policy_of_motor_actions(
     toy: Make, setting: str, also: set[str]
 ) -> None:
     assert changed(toy(), toy(setting)) == {*LEARNT_BY_CALLS, *also}
+
+
+def test_a_pretrained_policy_of_motor_actions_needs_the_collection_too(toy: Make) -> None:
+    pretrained = ("policies.motor.pretrain=true",)
+    job = toy(*pretrained)
+    job.evaluations["motor"].trials()
+    assert {name for name, stage in job.stages.items() if not stage.missing()} == {
+        "demonstrations",
+        "collection",
+        "policy.motor",
+        "evaluation.motor",
+    }
+    assert changed(toy(), job) == {*LEARNT_BY_MOTOR_ACTIONS}
+    for setting, learns in (("collection.attempts=9", True), ("idm.epochs=7", False)):
+        found = changed(job, toy(*pretrained, setting))
+        assert found.issuperset(LEARNT_BY_MOTOR_ACTIONS) == learns
+
+
+def test_rollouts_are_episodes_that_are_not_held_out(toy: Make) -> None:
+    collection = toy("collection.episodes=10").collection
+    rollouts, episodes = CollectedRollouts(collection), list(collection.episodes())
+    assert len(episodes) == 10 and len(rollouts) == collection.first_held_out == 9
+    passed = list(rollouts)
+    assert len(passed) == len(rollouts[:]) == 9
+    for each, again, episode in zip(passed, rollouts[:], episodes, strict=False):
+        for one in (each, again):
+            np.testing.assert_array_equal(one.observations.state, episode.state)
+            objects = one.observations.environment_state
+            np.testing.assert_array_equal(objects, episode.environment_state)
+            np.testing.assert_array_equal(one.actions, episode.actions)
+    np.testing.assert_array_equal(rollouts[-1].actions, episodes[8].actions)
+    with pytest.raises(IndexError):
+        rollouts[9]
 
 
 def test_the_runner_is_nothing_to_a_policy_of_motor_actions(toy: Make) -> None:

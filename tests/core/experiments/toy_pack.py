@@ -208,9 +208,14 @@ class RepeatsConfig(MotorPolicyConfig):
         return 2
 
     def fit(
-        self, demonstrations: Sequence[Demonstration], context: TrainingContext
+        self,
+        rollouts: Sequence[Demonstration] | None,
+        demonstrations: Sequence[Demonstration],
+        context: TrainingContext,
     ) -> Sequence[Path]:
         assert context.space.names == ()
+        assert (rollouts is not None) == self.pretrain
+        assert rollouts is None or all(one.actions.shape[1] == 5 for one in rollouts)
         actions = np.concatenate([item.actions[:-1] for item in demonstrations])
         return _save_numbers(context, actions.mean(axis=0).astype(np.float64))
 

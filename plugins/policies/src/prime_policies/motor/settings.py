@@ -44,7 +44,10 @@ class BcRnnSettings(MotorTrainingSettings):
     """Of Adam at the start; it falls to zero by half a cosine (robomimic: it does not fall)."""
     weight_decay: float = Field(0.0, ge=0, le=1)
     """None, as in robomimic."""
+    steps_per_epoch: Count = 250
+    """Steps of an epoch (robomimic: 100); an interrupted training goes on after its last one."""
     epochs: Count = 20
-    """Epochs on the demonstrations."""
+    """Epochs on the demonstrations (robomimic: 2000 of 100 steps, which are eleven hours of one
+    core): 0.2 s a step, so that a seed takes a quarter of an hour."""
     pretraining_epochs: Count = 20
-    """Epochs on the rollouts before them, where the policy is pretrained."""
+    """Epochs on the rollouts before them, where the policy is pretrained: another quarter."""
