@@ -1,5 +1,6 @@
 """The environment that all robosuite tasks share."""
 
+import weakref
 from collections.abc import Sequence
 from typing import Any, cast
 
@@ -67,6 +68,10 @@ class RobosuiteEnvironment(Environment):
         self.horizon = horizon
         self.render_mode = "rgb_array"
         host = task.make_host()
+        # robosuite's parts point at each other: without this, a hundred megabytes wait for Python's
+        # collector of cycles, which counts objects and not their size.
+        self._freed = weakref.finalize(self, host.close)
+        self._freed.atexit = False
         self._simulation = Simulation(host, task.body_names, task.placements(host), stepping)
         self._cameras = Cameras(host, meshes)
         for name in cameras:
@@ -80,6 +85,10 @@ class RobosuiteEnvironment(Environment):
         self._scene: Scene | None = None
         self._gripper_command: float | None = None  # the last one
         self._touched = False  # whether a finger touches an object in that scene
+
+    def close(self) -> None:
+        """Free the simulator; nothing else can be asked of the environment afterwards."""
+        self._freed()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -2,7 +2,7 @@
 
 Thirty segments show where the gripper goes, and hardly what to do a centimetre beside of it, where
 every learned motion gets to sooner or later. So the path is shown again with the hand pushed off it
-now and then, and actions that take it back: each step undoes a fifth of what is left.
+now and then, and actions that take it back: each step undoes a third of what is left.
 """
 
 from typing import NamedTuple
@@ -12,11 +12,12 @@ import numpy as np
 from prime_core.arrays import Array, Flags, Floats
 
 COPIES = 4  # of each segment, besides itself
-EVERY = 12  # steps from one disturbance to the next, on average
-RETURN = 0.2  # of the way back that a step goes
+EVERY = 8  # steps from one disturbance to the next, on average
+RETURN = 0.3  # of the way back that a step goes
 GREATEST = 0.02  # [m] standard deviation far from the goal
-LEAST = 0.004  # [m] the same at the goal, where objects are near
+LEAST = 0.01  # [m] the same at the goal
 NEARER = 0.15  # of the distance to the goal: between the two
+BACK, BACK_YAW = 0.002, 0.03  # [m, rad] off the path up to which the hand is back on it
 YAW = 0.1  # [rad] standard deviation
 
 
@@ -56,4 +57,6 @@ def disturbed(path: Path, goal: Array, free: Flags, generator: np.random.Generat
         left = (1 - RETURN) * left
     actions = path.actions.copy()
     actions[:, :4] -= RETURN * off
+    beside = (np.linalg.norm(off[:, :3], axis=1) > BACK) | (np.abs(off[:, 3]) > BACK_YAW)
+    actions[beside, 5] = -1.0  # it is not over before the hand is back
     return Path(path.positions + off[:, :3], path.yaws + off[:, 3], actions)

@@ -37,7 +37,7 @@ def motor_demonstrations(
         rows = np.append(useful_frames(execution), np.full(ENDINGS, execution.steps))
         call, path = achieved(places, execution, parameters), _path(execution, rows)
         openings = execution.observations.gripper_opening[rows].astype(np.float64)
-        free = (np.abs(np.gradient(openings)) < STILL_FINGERS) & (rows < execution.steps)
+        free = np.abs(np.gradient(openings)) < STILL_FINGERS
         holding = holding_in(execution)[rows]
         copies = (disturbed(path, call[places.point], free, generator) for _ in range(COPIES))
         for way in (path, *copies):
