@@ -76,7 +76,7 @@ def not_public(path: Path, allowed: tuple[str, ...]) -> list[str]:
         f"{module}.{name}"
         for module, name in imported(path, for_types=True)
         if module.split(".")[0] == "prime_core"
-        and module not in allowed
+        and not {module, f"{module}.{name}"} & {*allowed}
         and not module.startswith("prime_core.contracts.")
     ] + [
         f"prime_core.{name}"

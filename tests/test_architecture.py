@@ -31,7 +31,7 @@ HEAVY = (
 )
 MAXIMUM_LINES = 300
 MAXIMUM_FUNCTION_LINES = 60
-MAXIMUM_FILES = 14
+MAXIMUM_FILES = 15
 MAXIMUM_FILES_AT_THE_TOP = 8
 
 ORDER = (
@@ -64,7 +64,9 @@ PUBLIC = (
     "prime_core",
     "prime_core.hookspecs",
     "prime_core.contracts",
-    "prime_core.affordances",
+    "prime_core.affordances.goals",
+    "prime_core.affordances.pose_space",
+    "prime_core.affordances.prior",
     "prime_core.arrays",
     "prime_core.configuration",
     "prime_core.errors",

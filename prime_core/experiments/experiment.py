@@ -51,15 +51,13 @@ class Experiment:
         self.config = config
         self.folder = folder.resolve()
         self._remake = remake
-        environment = dump_choice(config.environment)
+        environment, seed = dump_choice(config.environment), config.seed
+        demonstrator = dump_choice(config.demonstrations)
         self.demonstrations = self._stage(
-            Demonstrations,
-            environment=environment,
-            demonstrator=dump_choice(config.demonstrations),
-            seed=config.seed,
+            Demonstrations, environment=environment, demonstrator=demonstrator, seed=seed
         )
         primitives = tuple(map(dump_choice, config.primitives))
-        self.learned = self._learned(untrained(primitives))
+        self.learned = self._learned(primitives)
         self.collection = self._stage(
             Collection,
             environments=tuple(map(dump_choice, config.collection.environments)) or (environment,),
@@ -68,8 +66,8 @@ class Experiment:
             settings=config.collection.model_dump(mode="json", exclude={"environments"}),
             seed=config.seed,
         )
-        images = image_stages(config, self._stage, self.collection, self.demonstrations)
-        self.images = images
+        self.images = image_stages(config, self._stage, self.collection, self.demonstrations)
+        images = self.images
         sees_images = config.sees_images("idm", config.idm)
         self.idm = self._stage(
             IdmTraining,
@@ -111,14 +109,12 @@ class Experiment:
         }
 
     def _learned(self, primitives: tuple[ConfigDump, ...]) -> LearnedPrimitives | None:
-        """Return the stage that trains primitives, or None where there is none to train."""
-        if not primitives:
+        """Return the stage that trains primitives, or None where none is to be trained."""
+        config, found = self.config, untrained(primitives)
+        if not found:
             return None
-        config = self.config
         device = config.compute.device
-        return self._stage(
-            LearnedPrimitives, primitives=primitives, seed=config.seed, device=device
-        )
+        return self._stage(LearnedPrimitives, primitives=found, seed=config.seed, device=device)
 
     def _training(self, policy: PolicyConfig) -> PrimitivePolicyTraining | MotorPolicyTraining:
         """Return the stage that trains a policy of either kind."""

@@ -86,10 +86,6 @@ class RobosuiteEnvironment(Environment):
         self._gripper_command: float | None = None  # the last one
         self._touched = False  # whether a finger touches an object in that scene
 
-    def close(self) -> None:
-        """Free the simulator; nothing else can be asked of the environment afterwards."""
-        self._freed()
-
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
@@ -207,8 +203,9 @@ class RobosuiteEnvironment(Environment):
         return self._cameras.pictures(cameras, positions, height, width)
 
     def close(self) -> None:
-        """Free what renders."""
+        """Free the simulator and what renders; nothing else can be asked afterwards."""
         self._cameras.close()
+        self._freed()
 
     def _moved(self) -> None:
         self._simulation.refresh()
