@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from prime_core.registry.plugin import OWN_DISTRIBUTIONS
+
 ROOT = Path(__file__).parents[1]
 HELLO = ROOT / "docs" / "examples" / "hello_primitive"
 DISTRIBUTIONS = [ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml"))]
@@ -92,12 +94,7 @@ def test_plain_pip_resolves_everything_without_constraints(
         item["metadata"]["name"].lower().replace("_", "-"): item["metadata"]["version"]
         for item in installed
     }
-    assert {name for name in versions if name.startswith("prime-")} >= {
-        "prime-core",
-        "prime-envs-robosuite",
-        "prime-policies",
-        "prime-primitives-scripted",
-    }
+    assert {name for name in versions if name.startswith("prime-")} >= {*OWN_DISTRIBUTIONS}
     numbers = {
         name: tuple(int(part) for part in versions[name].split("+")[0].split(".")[:2])
         for name in ("lerobot", "mink", "mujoco", "numpy", "opencv-python", "robosuite", "torch")
@@ -137,7 +134,7 @@ def full(wheels: list[Path], tmp_path_factory: pytest.TempPathFactory) -> Instal
 def test_all_wheels_load(full: Installation, tmp_path: Path) -> None:
     """Every built-in plugin is found through its entry point and can be loaded."""
     listing = full.prime("plugins", cwd=tmp_path)
-    for name in ("prime-core", "prime-envs-robosuite", "prime-policies"):
+    for name in OWN_DISTRIBUTIONS:
         assert name in listing
     assert "could not be loaded" not in listing
     script = "import prime_core; print(prime_core.__file__)"
