@@ -11,7 +11,7 @@ from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.primitive import PrimitiveExamples
 from prime_core.rotations import yaw_of
-from prime_primitives_learned.examples import holding_in
+from prime_primitives_learned.examples import holding_in, useful_frames
 from prime_primitives_learned.frame import ParameterPlaces
 
 MOST = 0.8  # share of segments that agree where something is taken for a rule
@@ -37,7 +37,7 @@ class PrimitiveFacts(Config):
     segments: Annotated[int, Field(ge=1)]
     """How many there were."""
     longest: Annotated[int, Field(ge=1)]
-    """Motor actions of the longest."""
+    """Motor actions of the longest, without waiting."""
     holds_before: bool | None
     """Whether something is held where it starts; null where segments differ."""
     holds_after: bool | None
@@ -70,7 +70,7 @@ def facts_of(examples: PrimitiveExamples) -> PrimitiveFacts:
             for item in examples.space.parameters
         ),
         segments=len(examples.executions),
-        longest=max(max(item.steps for item in examples.executions), 1),
+        longest=max(max(len(useful_frames(item)) for item in examples.executions), 1),
         holds_before=_rule([bool(flags[0]) for flags in holding]),
         holds_after=_rule([bool(flags[1]) for flags in holding]),
         moves=_rule(moves) is True,
