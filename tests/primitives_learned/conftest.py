@@ -17,7 +17,7 @@ from prime_envs_robosuite.config import LiftConfig
 from prime_primitives_scripted.grasp import GraspConfig
 
 SHORT = {"type": "bc-rnn", "hidden": 32, "learning_rate": 3e-3, "minimum_deviation": 0.05}
-SHORT |= {"epochs": 2, "steps_per_epoch": 60}
+SHORT |= {"epochs": 3, "steps_per_epoch": 100}
 """A policy that trains in seconds."""
 
 
