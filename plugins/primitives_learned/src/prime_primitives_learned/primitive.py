@@ -57,7 +57,7 @@ class LearnedPrimitive(Primitive):
         self._is_pose = pose_space(description) == self.parameter_space
 
     def can_start(self, scene: Scene) -> bool:
-        """Whether it is held, or not, what was so where the segments start; see `Primitive`."""
+        """Whether something is held, or nothing, as where the segments start; see `Primitive`."""
         wanted = self._facts.holds_before
         return wanted is None or wanted == scene.holding
 
@@ -92,7 +92,7 @@ class LearnedPrimitive(Primitive):
         """Return the motion that starts in a scene; see `Primitive`."""
         frame = CallFrame(self._places, parameters, scene.gripper_position, scene.gripper_yaw)
         policy = copy.copy(self._policy)  # what it remembers is this motion's
-        policy.reset(np.random.default_rng(0))
+        policy.reset(np.random.default_rng(0))  # the same scene gives the same motion
         over = 0
         while over < SURE:
             seen = frame.observations(
