@@ -17,7 +17,15 @@ from .bad_packs import FAILING, GOOD, HEAD, WORKING, install, listen
 ROOT = Path(__file__).parents[3]
 RESULTS = ROOT / "docs" / "results" / "lift_quick.json"
 LIFT = ROOT / "experiments" / "lift.yaml"
-OWN = ("robosuite/lift", "scripted/reach", "mlp-gmm", "policy: prime", "dp, ", "lerobot")
+OWN = (
+    "robosuite/lift",
+    "scripted/reach",
+    "learned/any",
+    "mlp-gmm",
+    "bc-rnn, prime",
+    "dp, ",
+    "lerobot",
+)
 
 
 def prime(site: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
