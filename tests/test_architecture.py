@@ -65,6 +65,7 @@ PUBLIC = (
     "prime_core.hookspecs",
     "prime_core.contracts",
     "prime_core.affordances.goals",
+    "prime_core.affordances.outcomes",
     "prime_core.affordances.pose_space",
     "prime_core.affordances.prior",
     "prime_core.arrays",

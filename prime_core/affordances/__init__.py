@@ -1,4 +1,4 @@
-"""Where primitives go: gripper poses as parameters, and draws of them around affordances.
+"""Where primitives go: gripper poses as parameters, draws of them, how objects lie then.
 
 What packs of primitives share. A rule of how affordances are drawn from goes here.
 """

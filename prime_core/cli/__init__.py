@@ -26,7 +26,9 @@ from prime_core.errors import PrimeError
 from prime_core.experiments.run_folder.place import place_error
 
 INTERRUPTED = 130
-KEPT = {run: "; what is finished is kept, and the same command goes on from there"}
+KEPT = dict.fromkeys(
+    (run, learn_primitives), "; what is finished is kept, and the same command goes on from there"
+)
 """What is told of commands that are interrupted."""
 
 

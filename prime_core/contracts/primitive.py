@@ -96,12 +96,21 @@ class PrimitiveExamples:
 
 @dataclass(frozen=True, kw_only=True)
 class PrimitiveTraining:
-    """How a primitive is trained; see `prime_core.contracts.training.TrainingContext`."""
+    """Where and how a primitive is trained.
+
+    It knows no environment, as `TrainingContext` does: segments come from a data set alone.
+
+    Attributes:
+        folder: Where it is kept. A training that was interrupted there goes on after its last
+            finished epoch.
+        seed: Of all random draws.
+        device: ``cpu``, ``cuda``, or ``auto`` for a GPU if there is one.
+        progress: Told of finished epochs.
+    """
 
     folder: Path
     seed: int
     device: str = "auto"
-    threads: int = 1
     progress: Progress = no_progress
 
 
@@ -147,8 +156,7 @@ class LearnedPrimitiveConfig(PrimitiveConfig):
 
         Args:
             examples: One at least.
-            training: Where and how. What was interrupted there goes on after its last finished
-                epoch.
+            training: Where and how.
 
         Raises:
             PrimeError: If there is too little to learn from, or a loss is not finite.

@@ -10,7 +10,7 @@ from prime_core.contracts.primitive import LearnedPrimitiveConfig, PrimitiveTrai
 from prime_core.contracts.training import Progress
 from prime_core.errors import ConfigurationError
 from prime_core.experiments.reading import apply_setting
-from prime_core.learning.primitive_examples import primitive_examples, segment_counts
+from prime_core.learning.primitive_examples import examples_of, primitive_examples
 from prime_core.registry.fields import dump_choice, read_settings
 from prime_core.registry.loading import load_plugins
 
@@ -49,21 +49,18 @@ def learn_primitives(
     Raises:
         PrimeError: If the data set is broken, has no such segments, or a setting is wrong.
     """
-    counts = segment_counts(dataset)
-    missing = [name for name in names if name not in counts]
-    if missing:
-        found = ", ".join(f"{name} ({count})" for name, count in counts.items()) or "none"
-        raise ConfigurationError(f"--primitive {missing[0]}: {dataset} has the segments {found}")
-    configs = {name: _settings_for(name, dataset, settings) for name in names or counts}
+    found = primitive_examples(dataset)
+    chosen = {name: examples_of(name, found, dataset) for name in names or found}
+    configs = {name: _settings_for(name, dataset, settings) for name in chosen}
     learned = []
     for name, config in configs.items():
         folder = out / name
         training = PrimitiveTraining(folder=folder, seed=seed, progress=progress(name))
-        config.fit(primitive_examples(dataset, name), training)
+        config.fit(chosen[name], training)
         built = config.with_trained(folder)
         usual = {"type": dump_choice(config)["type"]}
         usual |= built.model_dump(mode="json", exclude_unset=True)
-        learned.append(Learned(usual, counts[name]))
+        learned.append(Learned(usual, len(chosen[name].executions)))
     return learned
 
 

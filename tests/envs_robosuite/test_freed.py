@@ -19,7 +19,9 @@ def test_an_environment_that_nobody_has_leaves_no_simulator_behind() -> None:
         gc.enable()
 
 
-def test_one_that_is_closed_can_be_closed_again() -> None:
+def test_one_that_is_closed_is_freed_and_can_be_closed_again() -> None:
     environment = LiftConfig().build()
+    simulator = weakref.ref(environment._simulation.host.sim.model)
     environment.close()
+    assert simulator() is None
     environment.close()

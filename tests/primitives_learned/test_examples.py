@@ -15,8 +15,8 @@ from prime_primitives_learned.examples import (
     motor_demonstrations,
     useful_frames,
 )
-from prime_primitives_learned.facts import facts_of
 from prime_primitives_learned.frame import ParameterPlaces
+from prime_primitives_learned.statistics import statistics_of
 
 from .conftest import Shown
 
@@ -46,7 +46,7 @@ def test_what_is_held_is_told_from_the_gripper_where_objects_are_not_known() -> 
 
 
 def test_segments_become_demonstrations_with_an_end(shown: Shown) -> None:
-    examples = primitive_examples(shown.dataset, "grasp")
+    examples = primitive_examples(shown.dataset)["grasp"]
     made = motor_demonstrations(examples, np.random.default_rng(0))
     assert len(made) == len(examples.executions) * (1 + COPIES)
     for item in made:
@@ -62,7 +62,7 @@ def test_segments_become_demonstrations_with_an_end(shown: Shown) -> None:
 
 
 def test_the_pose_that_was_reached_takes_the_place_of_the_one_that_was_told(shown: Shown) -> None:
-    examples = primitive_examples(shown.dataset, "grasp")
+    examples = primitive_examples(shown.dataset)["grasp"]
     places = ParameterPlaces(examples.space)
     for execution_, told in zip(examples.executions, examples.parameters, strict=True):
         wrong = told + np.array([0.0, 0.0, 0.05, 0.0])
@@ -91,12 +91,12 @@ def test_disturbed_paths_lead_back_to_the_path_that_was_shown() -> None:
     assert found
 
 
-def test_facts_of_grasps(shown: Shown) -> None:
-    facts = facts_of(primitive_examples(shown.dataset, "grasp"))
-    assert (facts.holds_before, facts.holds_after, facts.moves) == (False, True, False)
-    assert facts.segments == 6
-    offsets = np.array(facts.shown)
+def test_statistics_of_grasps(shown: Shown) -> None:
+    found = statistics_of(primitive_examples(shown.dataset)["grasp"])
+    assert (found.holds_before, found.holds_after, found.moves) == (False, True, False)
+    assert found.segments == 6
+    offsets = np.array(found.relative_parameters)
     assert np.abs(offsets[:, :2]).max() < 0.02  # a grasp goes to the cube
-    assert [item.name for item in facts.space.parameters] == ["x", "y", "z", "yaw"]
+    assert [item.name for item in found.space.parameters] == ["x", "y", "z", "yaw"]
     with pytest.raises(ValueError, match="segments"):
-        facts.model_validate({**facts.model_dump(), "segments": 0})
+        found.model_validate({**found.model_dump(), "segments": 0})

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from prime_core.checks import check_primitive
+from prime_core.datasets.read import read_dataset, write_dataset
 from prime_core.errors import ConfigurationError, DatasetError, WeightsError
 from prime_core.execution.motions import run_primitive, settle
 from prime_core.experiments.learn_primitives import learn_primitives
@@ -95,6 +96,8 @@ def test_mistakes_are_told(shown: Shown, trained: Path, tmp_path: Path) -> None:
         config()
     with pytest.raises(ValueError, match="a policy over motor actions, such as bc-rnn"):
         config(trained=trained, policy={"type": "prime"})
+    with pytest.raises(ValueError, match="a primitive has no rollouts to learn from first"):
+        config(trained=trained, policy={**SHORT, "pretrain": True})
     with pytest.raises(WeightsError, match=r"holds no trained primitive: primitive\.yaml"):
         config(trained=tmp_path).build(description)
     with pytest.raises(WeightsError, match="'grasp' is not trained yet"):
@@ -102,23 +105,23 @@ def test_mistakes_are_told(shown: Shown, trained: Path, tmp_path: Path) -> None:
     wrong = read_settings(LearnedConfig, {"type": "learned/place", "trained": trained})
     with pytest.raises(WeightsError, match="learned 'grasp', not 'place'"):
         wrong.build(description)
-    (tmp_path / "primitive.yaml").write_text("facts: 3")
+    (tmp_path / "primitive.yaml").write_text("statistics: 3")
     with pytest.raises(WeightsError, match="is not what a training wrote"):
         config(trained=tmp_path).build(description)
 
 
 def test_segments_that_are_not_there_are_told(shown: Shown, tmp_path: Path) -> None:
-    from prime_core.learning.primitive_examples import primitive_examples
-
     with pytest.raises(DatasetError, match=r"has no segment of 'tilt'; it has grasp \(6\)"):
-        primitive_examples(shown.dataset, "tilt")
-    with pytest.raises(ConfigurationError, match=r"--primitive tilt: .* segments grasp \(6\)"):
         learn_primitives(shown.dataset, tmp_path, ["tilt"], (), 0, lambda _: lambda *_: None)
     with pytest.raises(ConfigurationError, match=r"--set policy\.hiden=3: "):
         learn_primitives(
             shown.dataset, tmp_path, (), ["policy.hiden=3"], 0, lambda _: lambda *_: None
         )
-    assert not any(tmp_path.iterdir())
+    raw, seen = tmp_path / "raw", read_dataset(shown.dataset).demonstrations
+    write_dataset(raw, seen, shown.environment.description)
+    with pytest.raises(DatasetError, match="has no segments: name a data set that was parsed"):
+        learn_primitives(raw, tmp_path, (), (), 0, lambda _: lambda *_: None)
+    assert [path.name for path in tmp_path.iterdir()] == ["raw"]
 
 
 @pytest.mark.parametrize("type_", LEARNED)

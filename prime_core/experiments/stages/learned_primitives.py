@@ -10,10 +10,11 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.primitive import (
     LearnedPrimitiveConfig,
     PrimitiveConfig,
+    PrimitiveExamples,
     PrimitiveTraining,
 )
 from prime_core.experiments.stages.stage import DEVICE_IS_NO_IDENTITY, Result, Stage
-from prime_core.learning.primitive_examples import primitive_examples
+from prime_core.learning.primitive_examples import examples_of, primitive_examples
 from prime_core.registry.fields import dump_choice, read_settings
 
 
@@ -39,10 +40,14 @@ class LearnedPrimitives(Stage):
     def process(self, items: Sequence[str]) -> Iterator[Result]:
         """Train primitives."""
         configs = dict(zip(self.items(), self._configs(), strict=True))
+        read: dict[Path, dict[str, PrimitiveExamples]] = {}
         for item in items:
             config = configs[item]
-            assert config.segments is not None, "what was trained before is not trained here"
-            examples = primitive_examples(config.segments, config.learns)
+            folder = config.segments
+            assert folder is not None, "what was trained before is not trained here"
+            if folder not in read:
+                read[folder] = primitive_examples(folder)
+            examples = examples_of(config.learns, read[folder], folder)
             training = PrimitiveTraining(
                 folder=self.folder / item,
                 seed=self.seed,

@@ -68,8 +68,8 @@ class RobosuiteEnvironment(Environment):
         self.horizon = horizon
         self.render_mode = "rgb_array"
         host = task.make_host()
-        # robosuite's parts point at each other: without this, a hundred megabytes wait for Python's
-        # collector of cycles, which counts objects and not their size.
+        # robosuite's parts point at each other: without this, the simulator's memory waits for
+        # Python's collector of cycles, which counts objects and not their size.
         self._freed = weakref.finalize(self, host.close)
         self._freed.atexit = False
         self._simulation = Simulation(host, task.body_names, task.placements(host), stepping)

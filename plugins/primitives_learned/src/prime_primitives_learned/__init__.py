@@ -1,7 +1,7 @@
 """Primitives learned from segments of demonstrations.
 
-`frame` is what a learned primitive sees of the world, `examples` what it learns from, `facts` what
-segments tell of it besides, `primitive` the primitive at work.
+`frame` is what a learned primitive sees of the world, `examples` and `disturbances` what it learns
+from, `statistics` what segments tell of it besides, `primitive` the primitive at work.
 Importing this package loads no torch: the policies that move the arm are found by their names.
 """
 

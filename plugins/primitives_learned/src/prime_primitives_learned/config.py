@@ -21,10 +21,10 @@ from prime_core.errors import WeightsError
 from prime_core.files import new_file
 from prime_core.registry.fields import PolicyChoice, dump_choice
 from prime_primitives_learned.examples import motor_demonstrations
-from prime_primitives_learned.facts import PrimitiveFacts, facts_of
 from prime_primitives_learned.frame import ParameterPlaces
 from prime_primitives_learned.primitive import LearnedPrimitive
 from prime_primitives_learned.settings import Tolerances
+from prime_primitives_learned.statistics import SegmentStatistics, statistics_of
 
 CARD = "primitive.yaml"
 """What a trained primitive is, beside the weights of its policy."""
@@ -37,14 +37,14 @@ Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_-]*$")]
 class TrainedPrimitive(Config):
     """What is kept of a trained primitive, but for weights."""
 
-    facts: PrimitiveFacts
+    statistics: SegmentStatistics
     policy: PolicyChoice
     checkpoint: str
     """Of the policy, within the folder."""
 
 
 def _default_policy() -> dict[str, Any]:
-    """Return a network that learns one motion from thirty segments in two minutes on one core.
+    """Return a small network for a short training: it learns one motion from thirty segments.
 
     robomimic's least deviation, 1e-4, is for long trainings: with it the likelihood is won by
     the two numbers of an action that are -1 or 1, and the others are hardly learned.
@@ -61,9 +61,6 @@ def _default_policy() -> dict[str, Any]:
 class LearnedConfig(Tolerances, LearnedPrimitiveConfig):
     """Settings of a learned primitive."""
 
-    shows: ClassVar[str]
-    """Name of the segments that a type learns from."""
-
     name: Name | None = None
     """What primitive calls name it by; null for the name of the segments."""
     policy: PolicyChoice = Field(default_factory=_default_policy, validate_default=True)
@@ -74,22 +71,16 @@ class LearnedConfig(Tolerances, LearnedPrimitiveConfig):
     def _moves_the_arm(cls, policy: PolicyConfig) -> PolicyConfig:
         if not isinstance(policy, MotorPolicyConfig):
             raise ValueError("it must be a policy over motor actions, such as bc-rnn")
+        if policy.pretrain:
+            raise ValueError("pretrain is true: a primitive has no rollouts to learn from first")
+        if "images" in policy.modalities:
+            raise ValueError("it sees images, which learned primitives are not given")
         return policy
-
-    @classmethod
-    def for_segments(cls, name: str, segments: Path) -> Self | None:
-        """Return settings that learn the segments of a name; see `LearnedPrimitiveConfig`."""
-        return cls(segments=segments) if name == cls.shows else None
 
     def with_trained(self, folder: Path) -> Self:
         """Return the settings with what was trained; see `LearnedPrimitiveConfig`."""
         own = self.model_dump(exclude_defaults=True, exclude={"segments", "policy"})
         return type(self)(**own, trained=folder)  # the folder says which policy it is
-
-    @property
-    def learns(self) -> str:
-        """Name of the segments that it learns from."""
-        return self.shows
 
     @property
     def called(self) -> str:
@@ -104,13 +95,12 @@ class LearnedConfig(Tolerances, LearnedPrimitiveConfig):
             device=training.device,
             folder=training.folder / POLICY,
             seed=training.seed,
-            threads=training.threads,
             progress=training.progress,
         )
         policy, generator = self._motor_policy, np.random.default_rng([training.seed, 0])
         checkpoints = policy.fit(None, motor_demonstrations(examples, generator), context)
         card = TrainedPrimitive(
-            facts=facts_of(examples),
+            statistics=statistics_of(examples),
             policy=policy,
             checkpoint=checkpoints[-1].relative_to(training.folder).as_posix(),
         )
@@ -129,14 +119,14 @@ class LearnedConfig(Tolerances, LearnedPrimitiveConfig):
                 f"primitive {self.called!r} is not trained yet: its stage comes first"
             )
         card = _read_card(self.trained)
-        if card.facts.name != self.learns:
+        learned = card.statistics.name
+        if learned != self.learns:
             raise WeightsError(
-                f"{self.trained / CARD} is of a primitive that learned {card.facts.name!r}, not "
+                f"{self.trained / CARD} is of a primitive that learned {learned!r}, not "
                 f"{self.learns!r}: name its own type or folder"
             )
         policy = _load(card, self.trained)
-        tolerances = Tolerances(**{key: getattr(self, key) for key in Tolerances.model_fields})
-        return LearnedPrimitive(self.called, card.facts, policy, tolerances, description)
+        return LearnedPrimitive(self.called, card.statistics, policy, self, description)
 
     @property
     def _motor_policy(self) -> MotorPolicyConfig:
@@ -144,25 +134,42 @@ class LearnedConfig(Tolerances, LearnedPrimitiveConfig):
         return self.policy
 
 
-class ReachConfig(LearnedConfig):
+class NamedConfig(LearnedConfig):
+    """Settings of a primitive whose type says what its segments are called."""
+
+    shows: ClassVar[str]
+    """Name of the segments that it learns from."""
+
+    @classmethod
+    def for_segments(cls, name: str, segments: Path) -> Self | None:
+        """Return settings that learn the segments of a name; see `LearnedPrimitiveConfig`."""
+        return cls(segments=segments) if name == cls.shows else None
+
+    @property
+    def learns(self) -> str:
+        """Name of the segments that it learns from."""
+        return self.shows
+
+
+class ReachConfig(NamedConfig):
     """Settings of a learned reach."""
 
     shows = "reach"
 
 
-class GraspConfig(LearnedConfig):
+class GraspConfig(NamedConfig):
     """Settings of a learned grasp."""
 
     shows = "grasp"
 
 
-class PlaceConfig(LearnedConfig):
+class PlaceConfig(NamedConfig):
     """Settings of a learned place."""
 
     shows = "place"
 
 
-class PushConfig(LearnedConfig):
+class PushConfig(NamedConfig):
     """Settings of a learned push."""
 
     shows = "push"
@@ -170,8 +177,6 @@ class PushConfig(LearnedConfig):
 
 class AnyConfig(LearnedConfig):
     """Settings of a primitive that learns segments of any name."""
-
-    shows = ""
 
     learn: Name
     """Name of the segments that it learns from."""
@@ -207,6 +212,6 @@ def _load(card: TrainedPrimitive, folder: Path) -> MotorPolicy:
             f"{folder / CARD}: policy is {dump_choice(policy)['type']!r}, which moves no arm"
         )
     context = ModelContext(
-        description=ParameterPlaces(card.facts.space).description, space=PrimitiveSpace((), ())
+        description=ParameterPlaces(card.statistics.space).description, space=PrimitiveSpace((), ())
     )
     return policy.load(folder / card.checkpoint, context)

@@ -2,7 +2,8 @@
 
 Thirty segments show where the gripper goes, and hardly what to do a centimetre beside of it, where
 every learned motion gets to sooner or later. So the path is shown again with the hand pushed off it
-now and then, and actions that take it back: each step undoes a third of what is left.
+now and then, and actions that take it back: each step undoes a third of what is left. DART (Laskey
+et al. 2017) injects such noise while a person demonstrates; here it is added to what was shown.
 """
 
 from typing import NamedTuple

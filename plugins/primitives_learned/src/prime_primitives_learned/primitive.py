@@ -7,6 +7,7 @@ import numpy as np
 
 from prime_core.affordances import prior
 from prime_core.affordances.goals import distance, jaw_distance
+from prime_core.affordances.outcomes import is_put_down, lies_still
 from prime_core.affordances.pose_space import pose_space
 from prime_core.arrays import Array
 from prime_core.contracts.calls import ParameterSpace
@@ -16,14 +17,13 @@ from prime_core.contracts.policy import MotorPolicy
 from prime_core.contracts.primitive import Motion, Primitive
 from prime_core.contracts.scene import Scene
 from prime_core.rotations import yaw_of
-from prime_primitives_learned.facts import MOVED, PrimitiveFacts
 from prime_primitives_learned.frame import CallFrame, ParameterPlaces
 from prime_primitives_learned.settings import Tolerances
+from prime_primitives_learned.statistics import MOVED, SegmentStatistics
 
 SLACK = 2.0  # times the longest segment that a motion may take: it may start further away
 SURE = 3  # steps in a row that say that it is over: what a policy draws may be wrong once
-STILL = 0.001  # [m] a step, 20 mm/s: what falls or slides is faster
-PUT_DOWN = (0.03, 0.08)  # [m] that what is let go of may slide and fall and yet be placed
+GREATEST_SLIDE, GREATEST_FALL = 0.03, 0.08  # [m] of what is let go of and yet placed
 
 
 class LearnedPrimitive(Primitive):
@@ -35,7 +35,7 @@ class LearnedPrimitive(Primitive):
 
     Args:
         name: What primitive calls name it by.
-        facts: What the segments tell besides their motion.
+        statistics: What the segments tell besides their motion.
         policy: Moves the gripper in the frame of a call; its sixth number says that it is over.
         tolerances: Of the prior and of the success.
         description: Of the scenes that it will work in.
@@ -44,44 +44,54 @@ class LearnedPrimitive(Primitive):
     def __init__(
         self,
         name: str,
-        facts: PrimitiveFacts,
+        statistics: SegmentStatistics,
         policy: MotorPolicy,
         tolerances: Tolerances,
         description: SceneDescription,
     ) -> None:
         self.name = name
-        self.parameter_space = _within_workspace(facts.space, description)
-        self.maximum_steps = round(SLACK * facts.longest)
-        self._facts, self._policy, self._tolerances = facts, policy, tolerances
-        self._places = ParameterPlaces(facts.space)
+        self.parameter_space = _within_workspace(statistics.space, description)
+        self.maximum_steps = round(SLACK * statistics.longest)
+        self._statistics, self._policy, self._tolerances = statistics, policy, tolerances
+        self._places = ParameterPlaces(statistics.space)
         self._is_pose = pose_space(description) == self.parameter_space
 
     def can_start(self, scene: Scene) -> bool:
         """Whether something is held, or nothing, as where the segments start; see `Primitive`."""
-        wanted = self._facts.holds_before
+        wanted = self._statistics.holds_before
         return wanted is None or wanted == scene.holding
 
     def propose(self, scene: Scene, generator: np.random.Generator) -> Array:
-        """Draw parameters near an affordance, or near an object as the segments had them."""
-        action = self._facts.name
-        found = scene.description.affordances_for(action)
+        """Draw parameters ``(P,)`` near an affordance, or near an object as the segments had them.
+
+        Affordances tell poses alone: a primitive with other parameters is drawn near an object.
+        """
+        found = scene.description.affordances_for(self._statistics.name)
         usable = [item for item in found if item.reference is None or item.reference != scene.held]
-        objects = self._objects(scene)
-        std = (*self._tolerances.position_std, self._tolerances.yaw_std)
-        if self._is_pose and (usable or not (objects and self._facts.shown)):
+        if not (self._is_pose and usable) and self._statistics.relative_parameters:
+            objects = self._objects(scene)
+            if objects:
+                return self._near_object(scene, objects, generator)
+        if self._is_pose:
+            std = (*self._tolerances.position_std, self._tolerances.yaw_std)
             return prior.draw(scene, usable, self.parameter_space, std, generator)
-        if not (objects and self._facts.shown):
-            return self.parameter_space.sample(generator)
+        return self.parameter_space.sample(generator)
+
+    def _near_object(
+        self, scene: Scene, objects: list[int], generator: np.random.Generator
+    ) -> Array:
+        """Draw parameters of a segment, placed at one of some objects."""
         index = objects[int(generator.integers(len(objects)))]
-        shown = np.array(self._facts.shown[int(generator.integers(len(self._facts.shown)))])
+        shown = self._statistics.relative_parameters
+        relative = np.array(shown[int(generator.integers(len(shown)))])
         yaw = float(yaw_of(scene.object_quaternions[index]))
-        drawn = self._places.placed_at(shown, scene.object_positions[index], yaw)
-        drawn[self._places.point] += generator.normal(0.0, std[:3])
+        drawn = self._places.placed_at(relative, scene.object_positions[index], yaw)
+        drawn[self._places.point] += generator.normal(0.0, self._tolerances.position_std)
         return np.clip(drawn, self.parameter_space.low, self.parameter_space.high)
 
     def _objects(self, scene: Scene) -> list[int]:
         """Return the objects that calls may be about: of a push, those that may be pushed."""
-        pushes = self._facts.moves
+        pushes = self._statistics.moves
         return [
             index
             for index, item in enumerate(scene.description.objects)
@@ -116,10 +126,10 @@ class LearnedPrimitive(Primitive):
         its displacement does, and something that was not held moved along.
         """
         before, after = scenes[0], scenes[-1]
-        wanted = self._facts.holds_after
+        wanted = self._statistics.holds_after
         if wanted is not None and (after.held is not None) != wanted:
             return False
-        if self._facts.holds_before == wanted and before.held != after.held:
+        if self._statistics.holds_before == wanted and before.held != after.held:
             return False
         if self._places.displacement:
             return self._pushed(scenes, parameters)
@@ -141,13 +151,13 @@ class LearnedPrimitive(Primitive):
         end = parameters[self._places.point] + parameters[self._places.displacement]
         if began is None or distance(after, end) > self._tolerances.position_tolerance:
             return False
-        if not self._facts.moves:
+        if not self._statistics.moves:
             return True
         moves = (after.object_positions - began.object_positions)[:, :2]
         along = moves @ parameters[self._places.displacement][:2] > 0
         moved = along & (np.linalg.norm(moves, axis=1) > MOVED)
         return any(
-            moved[index] and item.pushable and _is_still(scenes, index)
+            moved[index] and item.pushable and lies_still(scenes, index)
             for index, item in enumerate(after.description.objects)
         )
 
@@ -160,14 +170,6 @@ def _within_workspace(space: ParameterSpace, description: SceneDescription) -> P
 
 def _lies(scenes: Sequence[Scene], name: str) -> bool:
     """Whether what was held lies still, about where it was let go of."""
-    index = scenes[0].object_index(name)
     released = next(item for item in scenes if item.held != name)
-    moved = scenes[-1].object_positions[index] - released.object_positions[index]
-    slide, fall = PUT_DOWN
-    near = float(np.hypot(moved[0], moved[1])) < slide and float(-moved[2]) < fall
-    return near and _is_still(scenes, index)
-
-
-def _is_still(scenes: Sequence[Scene], index: int) -> bool:
-    before, after = (scene.object_positions[index] for scene in scenes[-2:])
-    return float(np.linalg.norm(after - before)) < STILL
+    index = released.object_index(name)
+    return is_put_down(scenes, released, index, GREATEST_SLIDE, GREATEST_FALL)

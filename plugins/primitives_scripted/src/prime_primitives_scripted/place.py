@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from prime_core.affordances.goals import jaw_distance, plane_distance
+from prime_core.affordances.outcomes import is_put_down
 from prime_core.contracts.description import Affordance, SceneDescription
 from prime_core.contracts.primitive import Motion
 from prime_core.contracts.scene import Scene
@@ -16,7 +17,6 @@ from prime_primitives_scripted.scripted import (
     Length,
     ScriptedConfig,
     ScriptedPrimitive,
-    lies_still,
 )
 
 OPENING_STEPS = 14  # for the gripper to open, which takes 10, and for what it lets go of to rest
@@ -101,9 +101,8 @@ class Place(ScriptedPrimitive):
         """Whether what was held at the release lies still, about where it was let go of."""
         assert release.held is not None, "something was held"
         index = release.object_index(release.held)
-        moved = scenes[-1].object_positions[index] - release.object_positions[index]
-        near = float(np.hypot(moved[0], moved[1])) < self._place.greatest_slide
-        return near and float(-moved[2]) < self._place.greatest_fall and lies_still(scenes, index)
+        slide, fall = self._place.greatest_slide, self._place.greatest_fall
+        return is_put_down(scenes, release, index, slide, fall)
 
     def _is_over(self, scene: Scene, parameters: Array) -> bool:
         """Whether the gripper is where it was called to, whatever its height."""

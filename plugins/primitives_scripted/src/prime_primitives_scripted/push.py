@@ -9,6 +9,7 @@ from pydantic import Field
 
 from prime_core.affordances import prior
 from prime_core.affordances.goals import distance
+from prime_core.affordances.outcomes import lies_still
 from prime_core.configuration import Range, within
 from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.description import Affordance, SceneDescription
@@ -22,7 +23,6 @@ from prime_primitives_scripted.scripted import (
     Length,
     ScriptedConfig,
     ScriptedPrimitive,
-    lies_still,
 )
 from prime_primitives_scripted.step_limits import way_limit
 

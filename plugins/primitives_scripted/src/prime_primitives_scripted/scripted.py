@@ -26,8 +26,6 @@ from prime_primitives_scripted.step_limits import approach_limit, greatest_appro
 
 Array = NDArray[np.float64]
 
-STILL = 0.001  # [m] a step, 20 mm/s: what falls or slides is faster
-
 Length = Annotated[float, Field(ge=0.001, le=1)]
 """That decides on success [m]; the arm ends a millimetre from where it should."""
 
@@ -102,14 +100,3 @@ class ScriptedPrimitive(Primitive):
         """Whether the gripper is within the tolerances of where it was called to."""
         near = distance(scene, parameters) < self._config.position_tolerance
         return near and jaw_distance(scene, parameters[3]) < self._config.yaw_tolerance
-
-
-def lies_still(scenes: Sequence[Scene], index: int) -> bool:
-    """Whether an object did not move in the last step.
-
-    Args:
-        scenes: Two at least.
-        index: Row of the object.
-    """
-    before, after = (scene.object_positions[index] for scene in scenes[-2:])
-    return float(np.linalg.norm(after - before)) < STILL

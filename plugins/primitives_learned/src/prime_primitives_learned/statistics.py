@@ -11,29 +11,20 @@ from prime_core.contracts.calls import Parameter, ParameterSpace
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.primitive import PrimitiveExamples
 from prime_core.rotations import yaw_of
-from prime_primitives_learned.examples import holding_in, useful_frames
+from prime_primitives_learned.examples import achieved, holding_in, useful_frames
 from prime_primitives_learned.frame import ParameterPlaces
 
 MOST = 0.8  # share of segments that agree where something is taken for a rule
 MOVED = 0.05  # [m] that a thing must have moved in the plane without being held: it was pushed
 
 
-class ParameterFacts(Config):
-    """A parameter, as the data set has it; see `prime_core.Parameter`."""
-
-    name: str
-    unit: str
-    low: float
-    high: float
-    period: float | None = None
-
-
-class PrimitiveFacts(Config):
+class SegmentStatistics(Config):
     """What segments tell of a primitive."""
 
     name: str
     """What the segments call it."""
-    parameters: tuple[ParameterFacts, ...]
+    parameters: tuple[Parameter, ...]
+    """As the data set has them."""
     segments: Annotated[int, Field(ge=1)]
     """How many there were."""
     longest: Annotated[int, Field(ge=1)]
@@ -44,37 +35,32 @@ class PrimitiveFacts(Config):
     """The same where it ends."""
     moves: bool
     """Whether it moves a thing without holding it."""
-    shown: tuple[tuple[float, ...], ...]
-    """The parameters of each segment, seen from the nearest object that was not held where it
-    starts, in that object's yaw frame; empty where object poses are not known."""
+    relative_parameters: tuple[tuple[float, ...], ...]
+    """The parameters of each segment, with the pose that was reached, in the yaw frame of the
+    nearest object that was not held where it starts; empty where object poses are not known."""
 
     @property
     def space(self) -> ParameterSpace:
         """Of the parameters."""
-        return ParameterSpace(tuple(Parameter(**vars(item)) for item in self.parameters))
+        return ParameterSpace(self.parameters)
 
 
-def facts_of(examples: PrimitiveExamples) -> PrimitiveFacts:
+def statistics_of(examples: PrimitiveExamples) -> SegmentStatistics:
     """Return what segments tell of a primitive."""
     places = ParameterPlaces(examples.space)
     holding = [holding_in(item)[[0, -1]] for item in examples.executions]
     pairs = zip(examples.executions, examples.parameters, strict=True)
-    shown = [_seen_from_object(places, *pair) for pair in pairs if _has_objects(pair[0])]
+    seen = [_seen_from_object(places, *pair) for pair in pairs if _has_objects(pair[0])]
     moves = [_moves_something(item) for item in examples.executions]
-    return PrimitiveFacts(
+    return SegmentStatistics(
         name=examples.name,
-        parameters=tuple(
-            ParameterFacts(
-                name=item.name, unit=item.unit, low=item.low, high=item.high, period=item.period
-            )
-            for item in examples.space.parameters
-        ),
+        parameters=examples.space.parameters,
         segments=len(examples.executions),
         longest=max(max(len(useful_frames(item)) for item in examples.executions), 1),
         holds_before=_rule([bool(flags[0]) for flags in holding]),
         holds_after=_rule([bool(flags[1]) for flags in holding]),
         moves=_rule(moves) is True,
-        shown=tuple(tuple(map(float, item)) for item in shown if item is not None),
+        relative_parameters=tuple(tuple(map(float, item)) for item in seen if item is not None),
     )
 
 
@@ -102,6 +88,7 @@ def _seen_from_object(
 ) -> Array | None:
     """Return parameters seen from the nearest object, ``(P,)``; None where all are held."""
     first = execution.observations[:1]
+    parameters = achieved(places, execution, parameters)
     positions = first.object_positions[0].astype(np.float64)
     distances = np.linalg.norm(positions - parameters[places.point], axis=1)
     distances[first.held[0]] = np.inf
