@@ -14,8 +14,9 @@ from prime_core.contracts.policy import MotorPolicy
 from prime_core.contracts.training import ModelContext, Progress, TrainingContext, no_progress
 from prime_core.errors import DatasetError, PrimeError
 from prime_core.learning.scene_features import FeatureEncoder
+from prime_policies.motor.bc_rnn import bc_rnn
 from prime_policies.motor.config import BcRnnConfig
-from prime_policies.motor.fitting import load_bc_rnn
+from prime_policies.motor.fitting import load_network
 from prime_policies.motor.windows import Windows
 from prime_policies.training.weights import write_tensors
 
@@ -126,7 +127,7 @@ def test_the_loss_falls(checkpoints: list[Path], shown: list[Demonstration]) -> 
     batch = windows.batch(torch.arange(len(windows)))
     losses = []
     for checkpoint in checkpoints:
-        network, _ = load_bc_rnn(CONFIG, checkpoint, CONTEXT)
+        network, _ = load_network(bc_rnn(CONFIG), checkpoint, CONTEXT)
         with torch.inference_mode():
             losses.append(float(network.loss(batch, torch.Generator())))
     assert losses[1] < losses[0] < 0
@@ -138,8 +139,9 @@ def test_windows_repeat_the_last_step_at_the_end_of_an_episode() -> None:
     steps = [one.steps for one in shown]
     assert len(windows) == sum(steps)
     first = steps[0]  # the second episode's first step
-    inside, across = windows.batch(torch.tensor([first, first - 4]))._asdict().values()
-    assert inside.shape[:2] == across.shape[:2] == (2, 10)
+    inside, across, padded = windows.batch(torch.tensor([first, first - 4]))
+    assert inside.shape[:2] == across.shape[:2] == padded.shape == (2, 10)
+    assert padded.tolist() == [[False] * 10, [False] * 4 + [True] * 6]
     actions = torch.from_numpy(shown[1].actions[:10])
     torch.testing.assert_close(across[0], actions)
     ends = torch.from_numpy(shown[0].actions[steps[0] - 4 : steps[0]])
@@ -173,7 +175,7 @@ def test_actions_are_means_of_a_component_that_is_drawn(
 ) -> None:
     checkpoint = fit(tmp_path, shown)[-1]
     policy = BRIEF.load(checkpoint, CONTEXT)
-    network, encoder = load_bc_rnn(BRIEF, checkpoint, CONTEXT)
+    network, encoder = load_network(bc_rnn(BRIEF), checkpoint, CONTEXT)
     seen = shown[0].observations[:1]
     with torch.inference_mode():
         mixture, _ = network(torch.from_numpy(encoder.encode(seen))[:, None])
