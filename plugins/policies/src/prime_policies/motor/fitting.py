@@ -1,5 +1,4 @@
 """How networks over motor actions are trained: on windows of rollouts, then of demonstrations."""
-"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
