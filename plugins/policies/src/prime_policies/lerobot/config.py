@@ -74,7 +74,7 @@ class LeRobotConfig(MotorPolicyConfig, LeRobotTrainingSettings):
         return LeRobotPolicy(*load_network(design, checkpoint, context))
 
 
-class ActConfig(LeRobotConfig, ActSettings):
+class ActConfig(ActSettings, LeRobotConfig):
     """LeRobot's ACT: a transformer that plans chunks of actions (Zhao et al. 2023)."""
 
     def design(self, scenes: SceneDescription) -> "Design[LeRobotNetwork]":
@@ -84,7 +84,7 @@ class ActConfig(LeRobotConfig, ActSettings):
         return act(self, scenes)
 
 
-class DiffusionConfig(LeRobotConfig, DiffusionSettings):
+class DiffusionConfig(DiffusionSettings, LeRobotConfig):
     """LeRobot's diffusion policy: plans that are made of noise (Chi et al. 2023)."""
 
     packages: ClassVar[tuple[str, ...]] = ("lerobot", "diffusers")

@@ -114,13 +114,14 @@ class DiffusionArchitecture(Config):
     """Whether what is seen scales channels, too."""
 
     noise_scheduler_type: Literal["DDPM", "DDIM"] = "DDIM"
-    """How noise is taken away at work (LeRobot: DDPM); noise is added alike in training."""
+    """How noise is taken away at work (LeRobot: DDPM); it is added alike in training."""
     num_train_timesteps: int = Field(100, ge=1, le=10_000)
     """Shares of noise that are learnt."""
     num_inference_steps: int = Field(10, ge=1, le=10_000)
     """Steps in which noise is taken away (LeRobot: as many as are learnt, ten times the work)."""
-    prediction_type: Literal["epsilon", "sample"] = "epsilon"
-    """Whether the noise is told, or the plan."""
+    prediction_type: Literal["epsilon", "sample"] = "sample"
+    """What the network tells: the noise (LeRobot: this) or the plan. Ten steps of DDIM, with the
+    plan, are as in Ze et al. 2024; with the noise, they need a longer training."""
     do_mask_loss_for_padding: bool = False
     """Whether steps outside of an episode are left out of the loss."""
 
