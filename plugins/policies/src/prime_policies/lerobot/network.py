@@ -53,18 +53,25 @@ class LeRobotNetwork(MotorNetwork):
         seen = batch.features[:, : config.n_obs_steps]
         if config.observation_delta_indices is None:  # a single instant, without an axis of time
             seen = seen[:, 0]
-        transition = create_transition(self.scaling.observation(seen), batch.actions)
-        normalised = self._normaliser(transition)
-        inputs = normalised[TransitionKey.OBSERVATION] | {
-            ACTION_KEY: normalised[TransitionKey.ACTION],
-            "action_is_pad": batch.padded,
-        }
+        inputs = self.normalised(seen, batch.actions) | {"action_is_pad": batch.padded}
         seed = int(torch.randint(2**62, (), generator=generator))
         device = batch.actions.device
         with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
             torch.manual_seed(seed)
             loss, _ = self.policy(inputs)
         return loss
+
+    def normalised(self, features: Tensor, actions: Tensor | None = None) -> dict[str, Tensor]:
+        """Return what LeRobot's policies are given, by LeRobot's names.
+
+        Args:
+            features: ``(..., features)``, in their units.
+            actions: ``(..., A)``, in theirs; None at work.
+        """
+        transition = create_transition(self.scaling.observation(features), actions)
+        made = self._normaliser(transition)
+        done = {} if actions is None else {ACTION_KEY: made[TransitionKey.ACTION]}
+        return made[TransitionKey.OBSERVATION] | done
 
     def forget(self) -> None:
         """Empty the queues of what was seen and of what is to be done."""
@@ -77,10 +84,10 @@ class LeRobotNetwork(MotorNetwork):
             features: Of one instant, ``(1, features)``.
             seed: Of what is drawn.
         """
-        observation = self._normaliser(create_transition(self.scaling.observation(features)))
+        seen = self.normalised(features)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
-            chosen = self._acting.select_action(observation[TransitionKey.OBSERVATION])
+            chosen = self._acting.select_action(seen)
         done = self._unnormaliser(create_transition(action=chosen))[TransitionKey.ACTION]
         return self.scaling.inside(done[0])
 
