@@ -30,12 +30,15 @@ class ActArchitecture(Config):
     """LeRobot's ``ACTConfig``, as far as it is about object poses."""
 
     chunk_size: int = Field(50, ge=1, le=1000)
-    """Actions that are planned at once (LeRobot: 100)."""
+    """Actions that are planned at once (LeRobot: 100, which take twice as long to learn)."""
     n_action_steps: int = Field(50, ge=1, le=1000)
-    """Of these, actions that are done before it looks again (LeRobot: 100)."""
+    """Of these, actions that are done before it looks again (LeRobot: 100). It sees one instant: a
+    plan must outlast the pauses that were shown, or it pauses for ever; a longer one misses more
+    (`benchmarks/pauses.py`)."""
     temporal_ensemble_coeff: float | None = Field(None, ge=-10, le=10)
     """Plan anew in each step, and do the mean of all plans for it, with weights exp(-coefficient *
-    age); 0.01 in the paper of ACT. Needs ``n_action_steps: 1``."""
+    steps since the oldest); 0.01 in the paper of ACT, off in LeRobot. Needs ``n_action_steps: 1``.
+    """
 
     dim_model: Width = 128
     """Width of the transformers (LeRobot: 512)."""
@@ -56,8 +59,8 @@ class ActArchitecture(Config):
     """Whether a latent tells plans of one scene apart in training; at work it is zero."""
     latent_dim: Width = 32
     """Numbers of the latent."""
-    n_vae_encoder_layers: int = Field(4, ge=1, le=16)
-    """Layers that tell the latent from a plan; they take most of a step's time."""
+    n_vae_encoder_layers: int = Field(1, ge=1, le=16)
+    """Layers that tell the latent from a plan (LeRobot: 4, which take most of a step's time)."""
     kl_weight: float = Field(10.0, ge=0, le=1e6)
     """Of the latent's divergence from a normal distribution, in the loss."""
 
@@ -65,8 +68,9 @@ class ActArchitecture(Config):
 class ActSettings(LeRobotTrainingSettings, ActArchitecture):
     """How large ACT is, and how it is trained."""
 
-    learning_rate: float = Field(1e-4, ge=1e-9, le=1)
-    """Of AdamW at the start; it falls to zero by half a cosine (LeRobot: 1e-5, which does not)."""
+    learning_rate: float = Field(3e-4, ge=1e-9, le=1)
+    """Of AdamW at the start; it falls to zero by half a cosine (LeRobot: 1e-5, which does not, for
+    20 times as many steps)."""
     weight_decay: Share = 1e-4
     """As in LeRobot."""
 
