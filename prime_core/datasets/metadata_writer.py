@@ -64,8 +64,10 @@ def write_tasks(folder: Path, tasks: Sequence[str]) -> None:
     )
 
 
-def write_episodes(folder: Path, episodes: Sequence[WrittenEpisode]) -> None:
-    """Write where each episode is, and its statistics."""
+def write_episodes(
+    folder: Path, episodes: Sequence[WrittenEpisode], features: Mapping[str, Any], fps: int
+) -> None:
+    """Write where each episode is, and its statistics; each has videos of its own."""
     import pyarrow as pa
 
     places = [place_of(episode.file_number) for episode in episodes]
@@ -81,6 +83,14 @@ def write_episodes(folder: Path, episodes: Sequence[WrittenEpisode]) -> None:
         "dataset_from_index": pa.array(starts),
         "dataset_to_index": pa.array(ends),
     }
+    videos = [place_of(number) for number in range(len(episodes))]
+    for key, feature in features.items():
+        if feature["dtype"] == "video":
+            for name in ("chunk_index", "file_index"):
+                numbers = [place[name] for place in videos]
+                columns[f"videos/{key}/{name}"] = pa.array(numbers, pa.int64())
+            columns[f"videos/{key}/from_timestamp"] = pa.array(zeros.astype(np.float64))
+            columns[f"videos/{key}/to_timestamp"] = pa.array((ends - starts) / fps)
     listed = [{key: plain(of) for key, of in item.statistics.items()} for item in episodes]
     for key, statistics in listed[0].items():
         for name in statistics:
@@ -105,6 +115,7 @@ def write_info(
         for key in episodes[0].statistics
     }
     write_json(folder / layout.STATISTICS_FILE, totals)
+    has_videos = any(feature["dtype"] == "video" for feature in features.values())
     info = {
         "codebase_version": layout.CODEBASE_VERSION,
         "fps": fps,
@@ -116,7 +127,7 @@ def write_info(
         "data_files_size_in_mb": layout.DATA_FILE_MEGABYTES,
         "video_files_size_in_mb": layout.VIDEO_FILE_MEGABYTES,
         "data_path": layout.DATA_FILE,
-        "video_path": None,
+        "video_path": layout.VIDEO_FILE if has_videos else None,
         "robot_type": robot_type,
         "splits": {"train": f"0:{len(episodes)}"},
     }

@@ -25,6 +25,7 @@ from prime_core.datasets.metadata_writer import (
     write_tasks,
 )
 from prime_core.datasets.statistics import Statistics, statistics_of
+from prime_core.datasets.video_images import write_frames
 
 Columns = dict[str, NDArray[Any]]
 
@@ -92,10 +93,14 @@ def write_files(
             episode.columns |= _books(len(episode), number, first, task, fps)
             table, statistics = _data_table(episode, features)
             place = files.write(table)
+            for key in episode.images:
+                if features[key]["dtype"] == "video":
+                    name = layout.VIDEO_FILE.format(video_key=key, **place_of(number))
+                    statistics[key] = write_frames(folder / name, episode.images[key], fps)
             end = first + len(episode)
             written.append(WrittenEpisode(episode.task, first, end, place, statistics))
     write_tasks(folder, [*tasks])
-    write_episodes(folder, written)
+    write_episodes(folder, written, features, fps)
     write_info(folder, written, features, fps=fps, robot_type=robot_type)
 
 
@@ -149,13 +154,15 @@ class _DataFiles:
 
 
 def _data_table(episode: Episode, features: Mapping[str, Any]) -> tuple[Any, dict[str, Statistics]]:
-    """Return an episode as an arrow table, and the statistics of each feature."""
+    """Return an episode as an arrow table without videos, and the statistics of what is in it."""
     import pyarrow as pa
 
     columns, statistics = {}, {}
     for key in features:
         if key == layout.MOTION_KEY:
             columns[key] = episode.language
+        elif features[key]["dtype"] == "video":
+            continue
         elif key in episode.images:
             columns[key], statistics[key] = embedded(episode.images[key])
         else:

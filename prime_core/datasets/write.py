@@ -18,6 +18,7 @@ from prime_core.datasets import layout
 from prime_core.datasets import segments as parsed
 from prime_core.datasets.metadata_writer import write_json, write_table
 from prime_core.datasets.parquet_writer import Columns, Episode, episode_of, write_files
+from prime_core.datasets.video_images import check_sizes
 from prime_core.errors import DatasetError
 from prime_core.files import new_folder
 
@@ -31,6 +32,7 @@ def write_dataset(
     segments: parsed.SegmentLists | None = None,
     space: PrimitiveSpace | None = None,
     motion_rows: bool = True,
+    videos: bool = False,
     replace: bool = False,
 ) -> None:
     """Write demonstrations as a LeRobot v3 data set, with their images if they have some.
@@ -47,6 +49,8 @@ def write_dataset(
         motion_rows: Whether segments are also written as LeRobot's ``language_persistent`` rows
             of style ``motion``. They put lists into the items of a ``LeRobotDataset``, which
             only LeRobot's own collate function can batch.
+        videos: Whether images are kept as videos, which lose a little of them, as LeRobot has them
+            by default; else as PNG files. Heights and widths must be even.
         replace: Whether a data set that is there already gives way, once the new one is complete.
 
     Raises:
@@ -63,9 +67,12 @@ def write_dataset(
     if first is None:
         raise DatasetError("no demonstrations to write: a data set has at least one episode")
     form = _Form.of(first, description)
+    if videos:
+        check_sizes(form.images)
     contents = layout.Contents(
         simulator_state_width=form.widths.get(layout.SIMULATOR_STATE_KEY, 0),
         images=form.images,
+        videos=videos,
         segments=segments is not None,
         motion_rows=segments is not None and motion_rows,
     )
