@@ -1,0 +1,177 @@
+"""Converts recordings into LeRobot data sets, outside of an experiment."""
+
+import re
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from rich.console import Console
+from rich.markup import escape
+
+from prime_core.configuration import ConfigDump
+from prime_core.contracts.demonstration import DemonstratorConfig
+from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.errors import ConfigurationError, DatasetError
+from prime_core.experiments.compute import ComputeConfig
+from prime_core.experiments.reading import apply_setting, explain
+from prime_core.experiments.run_folder.code import digest_of
+from prime_core.experiments.run_folder.contents import content_of
+from prime_core.experiments.run_folder.lock import alone_in
+from prime_core.experiments.run_folder.place import place_told
+from prime_core.experiments.run_folder.settings_of import settings_in
+from prime_core.experiments.running import finish_stage, wall_seconds
+from prime_core.experiments.stages.demonstrations import check_left_out
+from prime_core.experiments.stages.outputs.conversion import Conversion, PictureConfig
+from prime_core.registry.fields import dump_choice, read_settings
+from prime_core.registry.sources import demonstrator_of
+
+PARTS = ".parts"
+"""Suffix of the folder beside a target that holds the episodes until all are there."""
+
+
+@dataclass(frozen=True)
+class Converted:
+    """What a conversion gave.
+
+    Attributes:
+        demonstrations: How many there are in the data set.
+        frames: How many frames they have.
+        seconds: That reading, rendering and packing took by the clock, all runs together.
+        left_out: Why the others cannot be used, by their numbers in the source.
+    """
+
+    demonstrations: int
+    frames: int
+    seconds: float
+    left_out: Mapping[str, str]
+
+
+def convert(
+    source: Path,
+    target: Path,
+    pictures: PictureConfig,
+    console: Console,
+    *,
+    environment: str | None = None,
+    settings: Sequence[str] = (),
+    workers: int,
+    strict: bool = False,
+) -> Converted:
+    """Write a source's demonstrations as a LeRobot data set, with images made of their states.
+
+    What is finished lies in a folder beside the target until all is; the same call goes on from
+    there. Images that the source comes with are not copied.
+
+    Args:
+        source: An HDF5 file of robosuite or robomimic, or whatever an installed demonstrator reads.
+        target: Folder of the data set, which must not exist.
+        pictures: Which images.
+        console: Where progress is shown.
+        environment: The ``type`` of the environment, where the source does not tell it.
+        settings: Changes to its settings, such as ``object=can``.
+        workers: Processes that share the work; 0 does it all in this one.
+        strict: Whether a demonstration that cannot be used is an error.
+
+    Raises:
+        PrimeError: If the source cannot be read, its environment is not known, none of its
+            demonstrations can be used, no image can be made, or the target is there already.
+    """
+    _check_target(target)
+    demonstrator = demonstrator_of(source)
+    chosen = _environment_of(source, demonstrator, environment, settings)
+    parts = target.with_name(target.name + PARTS)
+
+    def say(text: str) -> None:
+        console.print(f"[yellow]![/] {escape(text)}", highlight=False, soft_wrap=True)
+
+    with place_told(target), alone_in(parts, say):
+        _check_target(target)  # another process may have been at it
+        stage = _stage(demonstrator, chosen, pictures, parts, workers, strict)
+        finish_stage("demonstrations", stage, console)
+        left_out, frames = stage.left_out(), stage.frames()
+        check_left_out(left_out, len(stage.items()), strict)
+        with console.status(f"writing {escape(str(target))}"):
+            stage.join(target)
+    seconds = wall_seconds(stage)
+    shutil.rmtree(parts)
+    return Converted(len(frames), sum(frames.values()), seconds, left_out)
+
+
+def read_pictures(cameras: Sequence[str], size: str, kept_as: str) -> PictureConfig:
+    """Return which images are asked for.
+
+    Args:
+        cameras: Their names.
+        size: Height and width [pixels], as in ``84`` or ``240x320``.
+        kept_as: See `PictureConfig`.
+
+    Raises:
+        ConfigurationError: If one of them is wrong.
+    """
+    sides = re.fullmatch(r"(\d+)(?:x(\d+))?", size, re.ASCII)
+    if sides is None:
+        raise ConfigurationError(
+            f"--size {size}: it must be a number of pixels, or HEIGHTxWIDTH such as 240x320"
+        )
+    height, width = sides.group(1), sides.group(2) or sides.group(1)
+    try:
+        return PictureConfig(
+            cameras=tuple(cameras), height=int(height), width=int(width), kept_as=kept_as
+        )
+    except ValidationError as error:
+        raise ConfigurationError(explain(error, "images")) from None
+
+
+def _check_target(target: Path) -> None:
+    if target.exists():
+        raise DatasetError(f"{target}: is there already: choose another folder")
+    if not target.name:
+        raise ConfigurationError(f"{target}: it must be the name of a folder that is not there yet")
+
+
+def _environment_of(
+    source: Path, demonstrator: DemonstratorConfig, name: str | None, settings: Sequence[str]
+) -> ConfigDump:
+    """Return the settings of the environment to build, all defaults written out.
+
+    Raises:
+        PrimeError: If they are not known, or wrong.
+    """
+    data: ConfigDump | None = {"type": name} if name else demonstrator.recorded_environment()
+    if data is None:
+        raise ConfigurationError(
+            f"{source}: does not say which environment it was recorded in: name it, such as "
+            "--environment robosuite/lift"
+        )
+    for setting in settings:
+        apply_setting(data, setting)
+    told = " ".join([f"--environment {name}" if name else f"environment of {source}", *settings])
+    try:
+        return dump_choice(read_settings(EnvironmentConfig, data))
+    except ValidationError as error:
+        raise ConfigurationError(explain(error, told)) from None
+    except ValueError as error:
+        raise ConfigurationError(f"{told}: {error}") from None
+
+
+def _stage(
+    demonstrator: DemonstratorConfig,
+    environment: ConfigDump,
+    pictures: PictureConfig,
+    folder: Path,
+    workers: int,
+    strict: bool,
+) -> Conversion:
+    """Return the stage of a conversion; what other code or another source made is another one."""
+    fields: dict[str, Any] = {
+        "environment": environment,
+        "demonstrator": dump_choice(demonstrator),
+        "pictures": pictures.model_dump(mode="json"),
+        "strict": strict,
+        "infra": ComputeConfig(workers=workers).infra(folder.resolve()),
+    }
+    fields["content"] = content_of(settings_in(fields))
+    return Conversion(code=digest_of(Conversion(**fields).code_now()), **fields)
