@@ -62,10 +62,7 @@ def write_dataset(
     _check_target(folder, replace)
     if (segments is None) != (space is None):
         raise ValueError("segments and space go together")
-    shown = iter(demonstrations)
-    first = next(shown, None)
-    if first is None:
-        raise DatasetError("no demonstrations to write: a data set has at least one episode")
+    first, others = _first_of(demonstrations)
     form = _Form.of(first, description)
     if videos:
         check_sizes(form.images)
@@ -77,7 +74,7 @@ def write_dataset(
         motion_rows=segments is not None and motion_rows,
     )
     features = layout.features_of(description, contents)
-    episodes: Iterable[Episode] = map(form.episode, enumerate(chain([first], shown)))
+    episodes: Iterable[Episode] = map(form.episode, enumerate(chain([first], others)))
     if segments is not None and space is not None:
         motion_fps = CONTROL_FREQUENCY if motion_rows else None
         episodes = _labelled(episodes, segments, space, motion_fps)
@@ -99,6 +96,16 @@ def _check_target(folder: Path, replace: bool) -> None:
         raise DatasetError(
             f"{folder} is no data set (it has no {layout.INFO_FILE}), so it is not replaced"
         )
+
+
+def _first_of(
+    demonstrations: Iterable[Demonstration],
+) -> tuple[Demonstration, Iterator[Demonstration]]:
+    """Return the first demonstration and what gives the others."""
+    others = iter(demonstrations)
+    for first in others:
+        return first, others
+    raise DatasetError("no demonstrations to write: a data set has at least one episode")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from rich.markup import escape
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.datasets.video_images import check_sizes
 from prime_core.errors import ConfigurationError, DatasetError
 from prime_core.experiments.compute import ComputeConfig
 from prime_core.experiments.reading import apply_setting, explain
@@ -109,7 +110,7 @@ def read_pictures(cameras: Sequence[str], size: str, kept_as: str) -> PictureCon
         kept_as: See `PictureConfig`.
 
     Raises:
-        ConfigurationError: If one of them is wrong.
+        PrimeError: If one of them is wrong.
     """
     sides = re.fullmatch(r"(\d+)(?:x(\d+))?", size, re.ASCII)
     if sides is None:
@@ -118,11 +119,14 @@ def read_pictures(cameras: Sequence[str], size: str, kept_as: str) -> PictureCon
         )
     height, width = sides.group(1), sides.group(2) or sides.group(1)
     try:
-        return PictureConfig(
+        pictures = PictureConfig(
             cameras=tuple(cameras), height=int(height), width=int(width), kept_as=kept_as
         )
     except ValidationError as error:
         raise ConfigurationError(explain(error, "images")) from None
+    if pictures.is_video:
+        check_sizes(dict.fromkeys(cameras, (pictures.height, pictures.width, 3)))
+    return pictures
 
 
 def _check_target(target: Path) -> None:

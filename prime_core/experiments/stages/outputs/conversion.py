@@ -34,13 +34,9 @@ class PictureConfig(Config):
     little. Both are LeRobot's."""
 
     @model_validator(mode="after")
-    def _fits(self) -> "PictureConfig":
+    def _cameras_differ(self) -> "PictureConfig":
         if len(set(self.cameras)) != len(self.cameras):
             raise ValueError(f"found cameras {list(self.cameras)}: each may be named once only")
-        if self.is_video and (self.height % 2 or self.width % 2):
-            raise ValueError(
-                f"found {self.height} x {self.width} pixels: both must be even in videos"
-            )
         return self
 
     @property
