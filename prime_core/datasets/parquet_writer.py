@@ -97,6 +97,7 @@ def write_files(
                 if features[key]["dtype"] == "video":
                     name = layout.VIDEO_FILE.format(video_key=key, **place_of(number))
                     statistics[key] = write_frames(folder / name, episode.images[key], fps)
+            statistics = {key: statistics[key] for key in features if key in statistics}
             end = first + len(episode)
             written.append(WrittenEpisode(episode.task, first, end, place, statistics))
     write_tasks(folder, [*tasks])
