@@ -12,7 +12,7 @@ from prime_core.cli.output import console
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from prime_core.experiments.convert import Converted
+    from prime_core.experiments.conversion.convert import Converted
 
 
 def convert(
@@ -51,10 +51,11 @@ def convert(
     ] = False,
 ) -> None:
     """Convert recordings into a LeRobot data set, with images rendered from their states."""
-    from prime_core.experiments import convert as conversion
+    from prime_core.experiments.conversion import convert as conversion
+    from prime_core.experiments.conversion.asked import read_pictures
 
     screen = console()
-    pictures = conversion.read_pictures(camera or (), size, images)
+    pictures = read_pictures(camera or (), size, images)
     found = conversion.convert(
         source,
         target,

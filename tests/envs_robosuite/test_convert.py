@@ -18,7 +18,8 @@ from rich.console import Console
 from prime_core.datasets.demonstrator import LeRobotDemonstratorConfig
 from prime_core.datasets.read import read_dataset
 from prime_core.errors import PrimeError
-from prime_core.experiments.convert import Converted, convert, read_pictures
+from prime_core.experiments.conversion.asked import read_pictures
+from prime_core.experiments.conversion.convert import Converted, convert
 from prime_envs_robosuite.config import LiftConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 
@@ -190,6 +191,11 @@ def test_what_cannot_be_done_is_told_and_leaves_nothing(
     target.mkdir()
     assert refusal(recording, target) == f"{target}: is there already: choose another folder"
     target.rmdir()
+    parts = tmp_path / "other.parts"
+    parts.mkdir()
+    assert refusal(recording, tmp_path / "other").startswith(
+        f"{parts}: is there already, and no conversion made it: episodes would be kept there"
+    )
     missing = tmp_path / "other.hdf5"
     assert refusal(missing, target) == f"{missing}: there is no such data set"
     door = record(tmp_path / "door.hdf5", {"env": "Door"}, demo_1=good(states))

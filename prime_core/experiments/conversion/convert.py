@@ -1,32 +1,29 @@
 """Converts recordings into LeRobot data sets, outside of an experiment."""
 
-import re
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
 from rich.console import Console
 from rich.markup import escape
 
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import DemonstratorConfig
-from prime_core.contracts.environment import EnvironmentConfig
-from prime_core.datasets.video_images import check_sizes
-from prime_core.errors import ConfigurationError, DatasetError
+from prime_core.errors import DatasetError
 from prime_core.experiments.compute import ComputeConfig
-from prime_core.experiments.reading import apply_setting, explain
+from prime_core.experiments.conversion.asked import environment_of
 from prime_core.experiments.run_folder.code import digest_of
 from prime_core.experiments.run_folder.contents import content_of
+from prime_core.experiments.run_folder.lock import NAME as LOCK
 from prime_core.experiments.run_folder.lock import alone_in
 from prime_core.experiments.run_folder.place import place_told
 from prime_core.experiments.run_folder.settings_of import settings_in
 from prime_core.experiments.running import finish_stage, wall_seconds
 from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.experiments.stages.outputs.conversion import Conversion, PictureConfig
-from prime_core.registry.fields import dump_choice, read_settings
+from prime_core.registry.fields import dump_choice
 from prime_core.registry.sources import demonstrator_of
 
 PARTS = ".parts"
@@ -80,16 +77,16 @@ def convert(
         PrimeError: If the source cannot be read, its environment is not known, none of its
             demonstrations can be used, no image can be made, or the target is there already.
     """
-    _check_target(target)
-    demonstrator = demonstrator_of(source)
-    chosen = _environment_of(source, demonstrator, environment, settings)
     parts = target.with_name(target.name + PARTS)
+    _check_places(target, parts)
+    demonstrator = demonstrator_of(source)
+    chosen = environment_of(source, demonstrator, environment, settings)
 
     def say(text: str) -> None:
         console.print(f"[yellow]![/] {escape(text)}", highlight=False, soft_wrap=True)
 
     with place_told(target), alone_in(parts, say):
-        _check_target(target)  # another process may have been at it
+        _check_places(target, parts)  # another process may have been at it
         stage = _stage(demonstrator, chosen, pictures, parts, workers, strict)
         finish_stage("demonstrations", stage, console)
         left_out, frames = stage.left_out(), stage.frames()
@@ -101,64 +98,15 @@ def convert(
     return Converted(len(frames), sum(frames.values()), seconds, left_out)
 
 
-def read_pictures(cameras: Sequence[str], size: str, kept_as: str) -> PictureConfig:
-    """Return which images are asked for.
-
-    Args:
-        cameras: Their names.
-        size: Height and width [pixels], as in ``84`` or ``240x320``.
-        kept_as: See `PictureConfig`.
-
-    Raises:
-        PrimeError: If one of them is wrong.
-    """
-    sides = re.fullmatch(r"(\d+)(?:x(\d+))?", size, re.ASCII)
-    if sides is None:
-        raise ConfigurationError(
-            f"--size {size}: it must be a number of pixels, or HEIGHTxWIDTH such as 240x320"
-        )
-    height, width = sides.group(1), sides.group(2) or sides.group(1)
-    try:
-        pictures = PictureConfig(
-            cameras=tuple(cameras), height=int(height), width=int(width), kept_as=kept_as
-        )
-    except ValidationError as error:
-        raise ConfigurationError(explain(error, "images")) from None
-    if pictures.is_video:
-        check_sizes(dict.fromkeys(cameras, (pictures.height, pictures.width, 3)))
-    return pictures
-
-
-def _check_target(target: Path) -> None:
+def _check_places(target: Path, parts: Path) -> None:
     if target.exists():
         raise DatasetError(f"{target}: is there already: choose another folder")
-    if not target.name:
-        raise ConfigurationError(f"{target}: it must be the name of a folder that is not there yet")
-
-
-def _environment_of(
-    source: Path, demonstrator: DemonstratorConfig, name: str | None, settings: Sequence[str]
-) -> ConfigDump:
-    """Return the settings of the environment to build, all defaults written out.
-
-    Raises:
-        PrimeError: If they are not known, or wrong.
-    """
-    data: ConfigDump | None = {"type": name} if name else demonstrator.recorded_environment()
-    if data is None:
-        raise ConfigurationError(
-            f"{source}: does not say which environment it was recorded in: name it, such as "
-            "--environment robosuite/lift"
+    # It is removed at the end: it must not be somebody's own.
+    if parts.exists() and not (parts / LOCK).is_file():
+        raise DatasetError(
+            f"{parts}: is there already, and no conversion made it: episodes would be kept there "
+            "until all are written. Move it, or choose another folder"
         )
-    for setting in settings:
-        apply_setting(data, setting)
-    told = " ".join([f"--environment {name}" if name else f"environment of {source}", *settings])
-    try:
-        return dump_choice(read_settings(EnvironmentConfig, data))
-    except ValidationError as error:
-        raise ConfigurationError(explain(error, told)) from None
-    except ValueError as error:
-        raise ConfigurationError(f"{told}: {error}") from None
 
 
 def _stage(
