@@ -66,15 +66,16 @@ def convert(
         workers=(os.cpu_count() or 1) if workers is None else workers,
         strict=strict,
     )
-    _tell(screen, found, target, found.frames * len(pictures.cameras))
+    _tell(screen, found, target, len(pictures.cameras))
 
 
-def _tell(screen: "Console", found: "Converted", target: Path, shown: int) -> None:
-    """Print what there is now, of so many images, and what was left out."""
-    rate = f" ({shown / found.seconds:.0f} a second)" if shown else ""
+def _tell(screen: "Console", found: "Converted", target: Path, cameras: int) -> None:
+    """Print what there is now, with images of so many cameras, and what was left out."""
+    new = found.new_frames * cameras
+    rate = f"{new} images in {found.seconds:.0f} s, {new / found.seconds:.0f} a second.\n"
     screen.print(
-        f"{found.demonstrations} demonstrations, {found.frames} frames, {shown} images in "
-        f"{found.seconds:.0f} s{rate}; {len(found.left_out)} left out.\nWritten to {target}",
+        f"{found.demonstrations} demonstrations, {found.frames} frames, {found.frames * cameras} "
+        f"images; {len(found.left_out)} left out.\n{rate if new else ''}Written to {target}",
         highlight=False,
         markup=False,
         soft_wrap=True,

@@ -20,7 +20,7 @@ from prime_core.datasets.episodes import CLOCK_TOLERANCE, EpisodeEntry, file_in
 from prime_core.datasets.header import Camera, Header
 from prime_core.datasets.parquet_reader import numbers, read_table, whole_numbers
 from prime_core.datasets.statistics import PixelCounts, Statistics
-from prime_core.errors import DatasetError, DemonstrationError
+from prime_core.errors import DatasetError, DemonstrationError, PrimeError
 
 LONGEST = 1e7  # [s], four months: what is later is no time in a video
 AT_ONCE = 64  # images in memory while they are encoded
@@ -53,6 +53,9 @@ def write_frames(path: Path, images: Images, fps: int) -> Statistics:
 
     Returns:
         Their statistics, before they are encoded; of a video that is copied, as it shows them.
+
+    Raises:
+        PrimeError: If there is no such encoder.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     source = images.whole if isinstance(images, ChosenImages) else images
@@ -70,6 +73,10 @@ def write_frames(path: Path, images: Images, fps: int) -> Statistics:
 def _encode(path: Path, images: Images, counts: PixelCounts, fps: int) -> None:
     import av
 
+    if layout.ENCODER not in av.codecs_available:
+        raise PrimeError(
+            f"this PyAV was built without the encoder {layout.ENCODER}: pip install av"
+        )
     os.environ.setdefault("SVT_LOG", "1")  # else the encoder prints its settings
     options = {name: str(value) for name, value in layout.ENCODER_OPTIONS.items()}
     # One thread: workers are as many as there are cores.
@@ -132,14 +139,15 @@ class VideoImages:
         """
         import av
 
-        path, _ = self._found()
+        path, start = self._found()
         try:
             with av.open(str(path)) as container:
                 stream = container.streams.video[0]
                 found = (stream.codec.canonical_name, stream.pix_fmt, stream.frames)
         except (av.FFmpegError, IndexError):
             return None  # told when it is decoded
-        return path if found == ("av1", layout.PIXEL_FORMAT, self.shape[0]) else None
+        is_own = start == 0 and found == ("av1", layout.PIXEL_FORMAT, self.shape[0])
+        return path if is_own else None
 
     def _found(self) -> tuple[Path, float]:
         try:

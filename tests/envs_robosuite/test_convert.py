@@ -165,7 +165,7 @@ def test_after_kills_and_with_other_workers_the_bytes_are_the_same(
         kept = dict(sorted(found.items(), key=lambda item: item[1])[:-2])  # some are in hand
     done = subprocess.run(command(source, target, 2), capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert "8 demonstrations, 1200 frames, 2400 images in" in done.stdout
+    assert "8 demonstrations, 1200 frames, 2400 images; 0 left out" in done.stdout
     assert digests(target) == digests(in_peace)
     assert not parts.exists()
 

@@ -1,6 +1,7 @@
 """Converts recordings into LeRobot data sets, outside of an experiment."""
 
 import shutil
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +21,7 @@ from prime_core.experiments.run_folder.lock import NAME as LOCK
 from prime_core.experiments.run_folder.lock import alone_in
 from prime_core.experiments.run_folder.place import place_told
 from prime_core.experiments.run_folder.settings_of import settings_in
-from prime_core.experiments.running import finish_stage, wall_seconds
+from prime_core.experiments.running import finish_stage
 from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.experiments.stages.outputs.conversion import Conversion, PictureConfig
 from prime_core.registry.fields import dump_choice
@@ -37,12 +38,14 @@ class Converted:
     Attributes:
         demonstrations: How many there are in the data set.
         frames: How many frames they have.
-        seconds: That reading, rendering and packing took by the clock, all runs together.
+        new_frames: How many of them were not there from an earlier call that was stopped.
+        seconds: That reading, rendering and packing these took by the clock.
         left_out: Why the others cannot be used, by their numbers in the source.
     """
 
     demonstrations: int
     frames: int
+    new_frames: int
     seconds: float
     left_out: Mapping[str, str]
 
@@ -88,14 +91,16 @@ def convert(
     with place_told(target), alone_in(parts, say):
         _check_places(target, parts)  # another process may have been at it
         stage = _stage(demonstrator, chosen, pictures, parts, workers, strict)
+        missing, start = set(stage.missing()), time.perf_counter()
         finish_stage("demonstrations", stage, console)
+        seconds = time.perf_counter() - start
         left_out, frames = stage.left_out(), stage.frames()
         check_left_out(left_out, len(stage.items()), strict)
         with console.status(f"writing {escape(str(target))}"):
             stage.join(target)
-    seconds = wall_seconds(stage)
     shutil.rmtree(parts)
-    return Converted(len(frames), sum(frames.values()), seconds, left_out)
+    new = sum(count for item, count in frames.items() if item in missing)
+    return Converted(len(frames), sum(frames.values()), new, seconds, left_out)
 
 
 def _check_places(target: Path, parts: Path) -> None:
