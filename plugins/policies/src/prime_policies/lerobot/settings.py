@@ -124,8 +124,8 @@ class DiffusionArchitecture(Config):
     num_inference_steps: int = Field(10, ge=1, le=10_000)
     """Steps in which noise is taken away (LeRobot: as many as are learnt, ten times the work)."""
     prediction_type: Literal["epsilon", "sample"] = "sample"
-    """What the network tells: the noise (LeRobot: this) or the plan. Ten steps of DDIM, with the
-    plan, are as in Ze et al. 2024; with the noise, they need a longer training."""
+    """What the network tells: the noise (LeRobot: this) or the plan. The plan in ten steps of DDIM
+    is as in Ze et al. 2024; after a short training of a toy world the noise was worse."""
     do_mask_loss_for_padding: bool = False
     """Whether steps outside of an episode are left out of the loss."""
 
