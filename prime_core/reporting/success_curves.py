@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prime_core.reporting.methods import Look, add_legend, finish_rates, method_looks
 from prime_core.reporting.style import INK, NORMAL, SMALL, save
@@ -79,9 +79,7 @@ def draw_success_curves(
         panel.set_visible(False)
     for row in range(rows):
         figure.axes[row * columns].set_ylabel("success rate", fontsize=SMALL, color=INK)
-    entries = {
-        name: Line2D([], [], **_line(look, published=False)) for name, look in looks.items()
-    }
+    entries = {name: Line2D([], [], **_line(look, published=False)) for name, look in looks.items()}
     if publisher:
         grey = Look("#666666", "o", "-", dotted=False)
         entries[publisher] = Line2D([], [], **_line(grey, published=True))
@@ -89,7 +87,7 @@ def draw_success_curves(
     save(figure, path)
 
 
-def _line(look: Look, *, published: bool) -> dict[str, object]:
+def _line(look: Look, *, published: bool) -> dict[str, Any]:
     """Return how a method's line is drawn; points that others published are hollow, and alone."""
     return {
         "color": look.colour,

@@ -16,6 +16,11 @@ _WORDS = {
     Against.DEMONSTRATIONS: "demonstrations",
     Against.TRANSITIONS: "transitions collected",
 }
+_SETTINGS = {
+    Against.DEMONSTRATIONS: "demonstrations.count",
+    Against.TRANSITIONS: "collection.episodes",
+}
+"""What a variant changes so that its number differs."""
 
 
 def check_figure(path: Path) -> None:
@@ -53,8 +58,7 @@ def draw_comparison(
     """
     tasks = tasks_of(paths, files)
     found = {
-        task.title: bars_of(task) if against is None else points_of(task, against)
-        for task in tasks
+        task.title: bars_of(task) if against is None else points_of(task, against) for task in tasks
     }
     names = _chosen([*chain.from_iterable(found.values())], methods, paths, against)
     shown = {
@@ -91,7 +95,7 @@ def _chosen(
         raise PrimeError(
             f"{where}: nothing to draw against {against}: it takes policies that were evaluated "
             f"with two numbers of them at least, such as those of an experiment whose variants "
-            f"change {'demonstrations.count' if against.stage == against else 'collection.episodes'}"
+            f"change {_SETTINGS[against]}"
         )
     return [*dict.fromkeys(methods or there)]
 

@@ -40,9 +40,7 @@ def read_results(path: Path) -> dict[str, Any]:
     try:
         figures_of(found)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise PrimeError(
-            f"{file}: 'results' or 'variants' is not what prime run leaves: {error!r}"
-        ) from None
+        raise PrimeError(f"{file}: what it holds is not what prime run leaves: {error!r}") from None
     return found
 
 

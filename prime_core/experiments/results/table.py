@@ -1,5 +1,6 @@
 """Shows the results of an experiment as a table."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from rich.table import Table
@@ -23,12 +24,19 @@ def summary_table(results: dict[str, Any]) -> Table:
     return table
 
 
-def stage_table(experiment: Experiment) -> Table:
-    """Return which stages are done, and where they keep what they made."""
+def stage_table(experiment: Experiment, trainings: Mapping[str, str]) -> Table:
+    """Return which stages are done, and where they keep what they made.
+
+    Args:
+        experiment: Whose stages.
+        trainings: What trainings of policies cost, as far as it is known; see `trainings_of`.
+    """
     table = Table(title="stages", title_justify="left")
     table.add_column("stage")
     table.add_column("done", justify="right")
     table.add_column("where", overflow="fold")
+    if trainings:
+        table.add_column("training", overflow="fold")
     other = other_code_in(experiment)
     if other:
         table.add_column("made by other code", overflow="fold")
@@ -37,5 +45,7 @@ def stage_table(experiment: Experiment) -> Table:
         mark = "[green]✓[/] " if not missing else ""
         where = stage.folder.relative_to(experiment.folder)
         cells = [name, f"{mark}{total - missing}/{total} {stage.unit}", str(where)]
-        table.add_row(*cells, *([describe(other.get(name, []))] if other else []))
+        cells += [trainings.get(name, "")] if trainings else []
+        cells += [describe(other.get(name, []))] if other else []
+        table.add_row(*cells)
     return table
