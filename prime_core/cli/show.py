@@ -10,7 +10,7 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
 
     from prime_core.experiments.experiment import Experiment
     from prime_core.experiments.reading import dump_experiment, read_experiment
-    from prime_core.experiments.results.comparison import read_results
+    from prime_core.experiments.results.comparison import whole_results
     from prime_core.experiments.results.figures import trainings_of
     from prime_core.experiments.results.table import stage_table
     from prime_core.experiments.running import holds_others
@@ -20,8 +20,8 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
     screen.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
     job = Experiment(config, out / config.name)
     screen.print(f"in {job.folder}:", highlight=False, markup=False)
-    others, results = holds_others(job), job.folder / "results.json"
-    trainings = trainings_of(read_results(results)) if results.exists() and not others else {}
+    others = holds_others(job)
+    trainings = {} if others else trainings_of(whole_results(job.folder))
     screen.print(stage_table(job, trainings))
     if others:
         screen.print(

@@ -26,7 +26,7 @@ class CurvePoint:
         deviation: Standard deviation over those seeds; None where there is but one.
     """
 
-    number: float
+    number: int
     mean: float
     deviation: float | None
 
@@ -119,7 +119,7 @@ def _draw_curve(axes: "Axes", curve: Curve, look: Look) -> None:
 def _finish_panel(axes: "Axes", task: str, curves: Sequence[Curve], against: str) -> None:
     numbers = sorted({point.number for curve in curves for point in curve.points})
     axes.set_xscale("log")
-    axes.set_xticks(numbers, [f"{number:,g}" for number in numbers])
+    axes.set_xticks(numbers, [f"{number:,}" for number in numbers])
     axes.minorticks_off()
     # Half a gap at either end, of a factor of 2 if there is one number alone.
     edge = (numbers[-1] / numbers[0]) ** (0.25 / max(len(numbers) - 1, 1)) if numbers else 1.0

@@ -44,6 +44,14 @@ def read_results(path: Path) -> dict[str, Any]:
     return found
 
 
+def whole_results(path: Path) -> dict[str, Any]:
+    """Return what `read_results` does, or nothing if the file is damaged or there is none."""
+    try:
+        return read_results(path)
+    except PrimeError:
+        return {}
+
+
 def comparison_rows(files: Sequence[dict[str, Any]]) -> list[list[str]]:
     """Return a table: a heading, then a row for each figure that any of the files has.
 

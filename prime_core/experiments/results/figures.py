@@ -142,6 +142,10 @@ def training_cost(timing: dict[str, Any], parameters: int | None) -> str:
     cost = f"{seconds:,.0f} s and {gigabytes:.1f} GB a seed"
     if parameters is None:
         return cost
-    millions = parameters / 1e6
-    size = f"{millions:.1f}M" if millions >= 1 else f"{parameters / 1e3:.0f}k"
-    return f"{cost}, {size} parameters"
+    return f"{cost}, {_rounded(parameters)} parameters"
+
+
+def _rounded(number: int) -> str:
+    if number < 1000:
+        return str(number)
+    return f"{number / 1e3:.0f}k" if number < 1e6 else f"{number / 1e6:.1f}M"

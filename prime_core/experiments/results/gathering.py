@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.other_code import other_code_in
 from prime_core.experiments.results.checksum import with_checksum
-from prime_core.experiments.results.comparison import read_results
+from prime_core.experiments.results.comparison import whole_results
 from prime_core.experiments.results.costs import parameters_of, timing_of
 from prime_core.experiments.results.provenance import _commit, versions
 from prime_core.experiments.results.summaries import summarise
@@ -64,21 +63,13 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
         "other_code": other_code_in(experiment),
     }
     path = experiment.folder / "results.json"
-    before = _whole(path)
+    before = whole_results(path)
     if before and all(before.get(key, {}) == results[key] for key in _OF_STAGES):
         # Nothing was done: the command that did it stays.
         results |= {key: before[key] for key in _OF_COMMAND if key in before}
     results = with_checksum(results)
     write_if_changed(path, json.dumps(results, indent=1))
     return results
-
-
-def _whole(path: Path) -> dict[str, Any]:
-    """Return the results that are there, or nothing if they are damaged or none."""
-    try:
-        return read_results(path)
-    except PrimeError:
-        return {}
 
 
 def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> dict[str, Any]:

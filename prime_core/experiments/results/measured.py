@@ -38,7 +38,7 @@ class Measured:
     method: str
     mean: float
     deviation: float | None
-    number: float
+    number: int
     where: str
     published: bool
 
@@ -59,13 +59,19 @@ def points_of(task: Task, against: Against) -> list[Measured]:
     Variants that change something else are left out: a figure could not tell them apart.
 
     Raises:
-        PrimeError: If two of one method have the same number.
+        PrimeError: If a number is none, or two of one method have the same.
     """
-    found: dict[tuple[str, bool, float], Measured] = {}
+    found: dict[tuple[str, bool, int], Measured] = {}
     for path, file in task.files.items():
         for variant, results in _all_results(file):
             number = results.get(against.stage, {}).get(against)
-            for name in _evaluated(results) if number is not None else ():
+            if number is None:
+                continue
+            if type(number) is not int or number < 1:
+                raise PrimeError(
+                    f"{_where(path, variant)}: found {number!r} {against}; it must be 1 or more"
+                )
+            for name in _evaluated(results):
                 one = _measured(path, file, variant, name, task.method(file, name), number)
                 key = one.method, one.published, one.number
                 if key in found:
@@ -88,24 +94,27 @@ def _evaluated(results: dict[str, Any]) -> list[str]:
 
 
 def _measured(
-    path: Path, file: ResultsFile, variant: str, policy: str, method: str, number: Any
+    path: Path, file: ResultsFile, variant: str, policy: str, method: str, number: int
 ) -> Measured:
-    where = f"{path}, variant {variant!r}" if variant else str(path)
     results = file["variants"][variant] if variant else file["results"]
     success = results[f"evaluation.{policy}"]["success"]
     mean, deviation = success["mean"], success["standard_deviation"]
-    if not 0 <= mean <= 1 or not 0 <= deviation <= 1:
+    if not (0 <= mean <= 1 and 0 <= deviation <= 1):
         raise PrimeError(
-            f"{where}: the success of {policy!r} is {mean} ± {deviation}: rates lie between 0 and 1"
+            f"{_where(path, variant)}: the success of {policy!r} is {mean} ± {deviation}: rates "
+            "lie between 0 and 1"
         )
-    if not isinstance(number, int) or number < 0:
-        raise PrimeError(f"{where}: found {number!r} for a number of what was learnt from")
-    alone = len(success.get("seeds", "many")) == 1
+    seeds = success.get("seeds")  # published values tell none
+    has_one_seed = isinstance(seeds, dict) and len(seeds) == 1
     return Measured(
         method=method,
         mean=mean,
-        deviation=None if alone else deviation,
+        deviation=None if has_one_seed else deviation,
         number=number,
-        where=where,
+        where=_where(path, variant),
         published=bool(published_by(file)),
     )
+
+
+def _where(path: Path, variant: str) -> str:
+    return f"{path}, variant {variant!r}" if variant else str(path)
