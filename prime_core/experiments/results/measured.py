@@ -1,6 +1,6 @@
 """The success rates in results files, as a figure shows them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -8,6 +8,9 @@ from typing import Any
 
 from prime_core.errors import PrimeError
 from prime_core.experiments.results.tasks import ResultsFile, Task, published_by
+
+_GREATEST = 10**15
+"""Of the numbers that rates are drawn against: axes have no room for any number."""
 
 
 class Against(StrEnum):
@@ -44,43 +47,59 @@ class Measured:
 
 
 def bars_of(task: Task) -> list[Measured]:
-    """Return what policies of a task reached, those of variants where they differ, too."""
-    return [
+    """Return what policies of a task reached, those of variants where they differ, too.
+
+    Raises:
+        PrimeError: If a rate is none, or two are called the same.
+    """
+    found = [
         _measured(path, file, variant, name, task.method(file, name, variant), 0)
         for path, file in task.files.items()
         for variant, results in _all_results(file)
         for name in _evaluated(results)
     ]
+    _check_apart(found, "")
+    return found
 
 
 def points_of(task: Task, against: Against) -> list[Measured]:
     """Return what policies of a task reached with so many demonstrations, or the like.
 
-    Variants that change something else are left out: a figure could not tell them apart.
+    Variants that change something else are left out: a line could not tell them apart.
 
     Raises:
-        PrimeError: If a number is none, or two of one method have the same.
+        PrimeError: If a rate or a number is none, or two of one method have the same number.
     """
+    found = [
+        _measured(path, file, variant, name, task.method(file, name), number)
+        for path, file in task.files.items()
+        for variant, results in _all_results(file)
+        if (number := _number(results, against, _where(path, variant))) is not None
+        for name in _evaluated(results)
+    ]
+    _check_apart(found, str(against))
+    return sorted(found, key=lambda one: one.number)
+
+
+def _number(results: dict[str, Any], against: Against, where: str) -> int | None:
+    """Return what results are drawn against, or None where they do not say."""
+    number = results.get(against.stage, {}).get(against)
+    if number is not None and (type(number) is not int or not 1 <= number <= _GREATEST):
+        raise PrimeError(f"{where}: found {number!r} {against}; it must be a number from 1 on")
+    return number
+
+
+def _check_apart(rates: Iterable[Measured], against: str) -> None:
     found: dict[tuple[str, bool, int], Measured] = {}
-    for path, file in task.files.items():
-        for variant, results in _all_results(file):
-            number = results.get(against.stage, {}).get(against)
-            if number is None:
-                continue
-            if type(number) is not int or number < 1:
-                raise PrimeError(
-                    f"{_where(path, variant)}: found {number!r} {against}; it must be 1 or more"
-                )
-            for name in _evaluated(results):
-                one = _measured(path, file, variant, name, task.method(file, name), number)
-                key = one.method, one.published, one.number
-                if key in found:
-                    raise PrimeError(
-                        f"{one.where} and {found[key].where} both have {name!r} with {number:,} "
-                        f"{against}: a figure cannot tell them apart"
-                    )
-                found[key] = one
-    return sorted(found.values(), key=lambda one: one.number)
+    for rate in rates:
+        key = rate.method, rate.published, rate.number
+        if key in found:
+            number = f" with {rate.number:,} {against}" if against else ""
+            raise PrimeError(
+                f"{rate.where} and {found[key].where} both have {rate.method!r}{number}: a figure "
+                "cannot tell them apart"
+            )
+        found[key] = rate
 
 
 def _all_results(file: ResultsFile) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -1,7 +1,6 @@
 """Groups results files by their task: what a figure shows side by side."""
 
 import json
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -75,18 +74,22 @@ def tasks_of(paths: Sequence[Path], files: Sequence[ResultsFile]) -> list[Task]:
         if found is None:
             found = Task()
             tasks.append(found)
-        for other, there in found.files.items():
-            if there["name"] == file["name"]:
-                raise PrimeError(
-                    f"{path}: its name is {file['name']!r}, as that of {other}: a figure tells "
-                    "runs of one task apart by their names. Leave one of them out, or run it "
-                    "with --set name=ANOTHER"
-                    if os.path.abspath(path) != os.path.abspath(other)
-                    else f"{path}: is named twice"
-                )
+        _check_name(path, file, found)
         found.files[path] = file
         found.marks |= marks
     return tasks
+
+
+def _check_name(path: Path, file: ResultsFile, task: Task) -> None:
+    for other, there in task.files.items():
+        if path.resolve() == other.resolve():
+            raise PrimeError(f"{path}: is named twice")
+        if there["name"] == file["name"]:
+            raise PrimeError(
+                f"{path}: its name is {file['name']!r}, as that of {other}: a figure tells runs "
+                "of one task apart by their names. Leave one of them out, or run it with "
+                "--set name=ANOTHER"
+            )
 
 
 def _marks(file: ResultsFile) -> set[str]:

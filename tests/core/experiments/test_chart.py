@@ -242,13 +242,28 @@ def test_rates_that_are_none(tmp_path: Path, results: dict[str, Any], complaint:
     assert complaint in str(caught.value)
 
 
-@pytest.mark.parametrize("count", [0, -5, 2.5, True, "five"])
+@pytest.mark.parametrize("count", [0, -5, 2.5, True, "five", 10**400])
 def test_numbers_that_are_none(tmp_path: Path, count: Any) -> None:
     results = {"demonstrations": {"demonstrations": count}, "evaluation.prime": success(0.5)}
     path = write(tmp_path / "r.json", "mine", results)
     with pytest.raises(PrimeError) as caught:
         compare([path], figure=tmp_path / "a.png", against=Against.DEMONSTRATIONS)
-    assert str(caught.value) == f"{path}: found {count!r} demonstrations; it must be 1 or more"
+    assert (
+        str(caught.value)
+        == f"{path}: found {count!r} demonstrations; it must be a number from 1 on"
+    )
+
+
+def test_a_variant_that_is_called_like_a_run(tmp_path: Path) -> None:
+    rate = {"evaluation.prime": success(0.5)}
+    task = write(tmp_path / "a", "lift", rate, variants={"greedy": rate})
+    other = write(tmp_path / "b", "lift-greedy", rate, task="lift")
+    with pytest.raises(PrimeError) as caught:
+        compare([task, other], figure=tmp_path / "a.png")
+    assert str(caught.value) == (
+        f"{other} and {task}, variant 'greedy' both have 'prime (greedy)': a figure cannot tell "
+        "them apart"
+    )
 
 
 def test_two_of_a_method_with_the_same_number(tmp_path: Path) -> None:
