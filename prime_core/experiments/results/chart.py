@@ -61,11 +61,8 @@ def draw_comparison(
         task.title: bars_of(task) if against is None else points_of(task, against) for task in tasks
     }
     names = _chosen([*chain.from_iterable(found.values())], methods, paths, against)
-    shown = {
-        title: rates
-        for title, rates in ((t, [r for r in rs if r.method in names]) for t, rs in found.items())
-        if rates
-    }
+    shown = {title: [one for one in found[title] if one.method in names] for title in found}
+    shown = {title: rates for title, rates in shown.items() if rates}
     has_published = any(rate.published for rate in chain.from_iterable(shown.values()))
     publisher = publishers(files) if has_published else ""
     if against is None:

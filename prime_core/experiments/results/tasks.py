@@ -69,15 +69,15 @@ def tasks_of(paths: Sequence[Path], files: Sequence[ResultsFile]) -> list[Task]:
     """
     tasks: list[Task] = []
     for path, file in zip(paths, files, strict=True):
-        marks = _marks(file)
-        found = next((task for task in tasks if task.marks & marks), None)
-        if found is None:
-            found = Task()
-            tasks.append(found)
-        _check_name(path, file, found)
-        found.files[path] = file
-        found.marks |= marks
-    return tasks
+        task = Task(marks=_marks(file))
+        # One file may tell that two others are of one task.
+        for other in [each for each in tasks if each.marks & task.marks]:
+            task = Task({**task.files, **other.files}, task.marks | other.marks)
+            tasks.remove(other)
+        _check_name(path, file, task)
+        task.files[path] = file
+        tasks.append(task)
+    return sorted(tasks, key=lambda task: min(map([*paths].index, task.files)))
 
 
 def _check_name(path: Path, file: ResultsFile, task: Task) -> None:
@@ -94,7 +94,7 @@ def _check_name(path: Path, file: ResultsFile, task: Task) -> None:
 
 def _marks(file: ResultsFile) -> set[str]:
     # Files of earlier versions have no environment.
-    marks = {f"name {file.get('task', file['name'])}"}
+    marks = {f"name {file['name']}", f"name {file.get('task', file['name'])}"}
     if "environment" in file:
         marks.add(json.dumps(file["environment"], sort_keys=True))
     return marks
