@@ -48,8 +48,8 @@ def compare(
 
         check_figure(figure)
     elif against is not None or method:
-        option = f"--against {against}" if against else f"--method {method[0] if method else ''}"
-        raise PrimeError(f"{option}: it says what a figure shows: name its file with --figure")
+        option = "--method" if against is None else "--against"
+        raise PrimeError(f"{option}: it says what a figure shows; name the figure with --figure")
     files = [comparison.read_results(path) for path in results]
     rows = comparison.comparison_rows(files)
     if figure is not None:

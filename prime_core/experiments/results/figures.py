@@ -148,4 +148,4 @@ def training_cost(timing: dict[str, Any], parameters: int | None) -> str:
 def _rounded(number: int) -> str:
     if number < 1000:
         return str(number)
-    return f"{number / 1e3:.0f}k" if number < 1e6 else f"{number / 1e6:.1f}M"
+    return f"{number / 1e3:.0f}k" if number < 999_500 else f"{number / 1e6:.1f}M"

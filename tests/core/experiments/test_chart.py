@@ -208,8 +208,12 @@ BEFORE = RESULTS / "nut_assembly_before.json"
             {"figure": "a.png", "method": ["bc"]},
             "--method 'bc': there is no such method. There are: 'prime', 'prime (no-pretr",
         ),
-        ([PAPER], {"method": ["prime"]}, "--method prime: it says what a figure shows: name its"),
-        ([PAPER], {"against": Against.TRANSITIONS}, "--against transitions: it says what a fig"),
+        ([PAPER], {"method": ["prime"]}, "--method: it says what a figure shows; name the"),
+        (
+            [PAPER],
+            {"against": Against.TRANSITIONS},
+            "--against: it says what a figure shows; name the",
+        ),
         (
             [RESULTS / "pick_place.json", PAPER],
             {"figure": "a.png", "against": Against.DEMONSTRATIONS},

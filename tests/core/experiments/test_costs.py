@@ -34,6 +34,7 @@ def results(folder: Path) -> dict[str, Any]:
     [
         (None, "254 s and 1.7 GB a seed"),
         (174_345, "254 s and 1.7 GB a seed, 174k parameters"),
+        (999_700, "254 s and 1.7 GB a seed, 1.0M parameters"),
         (4_640_000, "254 s and 1.7 GB a seed, 4.6M parameters"),
     ],
 )
