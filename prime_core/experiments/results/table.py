@@ -35,8 +35,6 @@ def stage_table(experiment: Experiment, trainings: Mapping[str, str]) -> Table:
     table.add_column("stage")
     table.add_column("done", justify="right")
     table.add_column("where", overflow="fold")
-    if trainings:
-        table.add_column("training", overflow="fold")
     other = other_code_in(experiment)
     if other:
         table.add_column("made by other code", overflow="fold")
@@ -44,8 +42,7 @@ def stage_table(experiment: Experiment, trainings: Mapping[str, str]) -> Table:
         total, missing = len(stage.items()), len(stage.missing())
         mark = "[green]✓[/] " if not missing else ""
         where = stage.folder.relative_to(experiment.folder)
-        cells = [name, f"{mark}{total - missing}/{total} {stage.unit}", str(where)]
-        cells += [trainings.get(name, "")] if trainings else []
-        cells += [describe(other.get(name, []))] if other else []
-        table.add_row(*cells)
+        done = [f"{mark}{total - missing}/{total} {stage.unit}", trainings.get(name, "")]
+        cells = [name, "\n".join(filter(None, done)), str(where)]
+        table.add_row(*cells, *([describe(other.get(name, []))] if other else []))
     return table
