@@ -38,6 +38,7 @@ ORDER = (
     ("",),  # the files at the top of prime_core, but for its __init__
     ("contracts",),
     ("affordances",),
+    ("datasets.columns",),
     ("parsing", "datasets"),
     ("execution",),
     ("collection",),
