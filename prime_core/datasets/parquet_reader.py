@@ -38,13 +38,19 @@ def list_files(root: Path, pattern: str) -> list[Path]:
     return files
 
 
-def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | None = None) -> Any:
+def read_table(
+    path: Path,
+    columns: Sequence[str],
+    episodes: Sequence[int] | None = None,
+    optional: Sequence[str] = (),
+) -> Any:
     """Read columns of a parquet file as an arrow table.
 
     Args:
         path: The file.
         columns: Which columns.
         episodes: Which episodes; all if None.
+        optional: More columns, which need not be there.
 
     Raises:
         DatasetError: If the file is missing or broken, or a column is missing.
@@ -62,11 +68,12 @@ def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | Non
     try:
         metadata = pq.read_metadata(path)
         present = metadata.schema.to_arrow_schema().names
+        columns = [*columns, *(name for name in optional if name in present)]
         _check_columns(path, present, columns)
         _check_size(path, metadata, columns)
         chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
         # Without partitioning=None a folder named "seed=0" would become a column.
-        return pq.read_table(path, columns=list(columns), filters=chosen, partitioning=None)
+        return pq.read_table(path, columns=columns, filters=chosen, partitioning=None)
     except (pa.ArrowException, OSError, ValueError, TypeError) as error:
         raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
 

@@ -64,7 +64,7 @@ def write_dataset(
         raise ValueError("segments and space go together")
     episodes = _episodes(demonstrations, description)
     if segments is not None and space is not None:
-        _label(episodes, segments, space, CONTROL_FREQUENCY if motion_rows else None)
+        _label(episodes, segments, space, motion_rows)
     contents = layout.Contents(
         simulator_state_width=_simulator_state_width(episodes),
         images=_images(demonstrations),
@@ -161,7 +161,7 @@ def _label(
     episodes: Sequence[Episode],
     segments: parsed.SegmentLists,
     space: PrimitiveSpace,
-    motion_fps: int | None,
+    motion_rows: bool,
 ) -> None:
     if len(segments) != len(episodes):
         raise ValueError(f"{len(segments)} lists of segments for {len(episodes)} demonstrations")
@@ -169,8 +169,9 @@ def _label(
         frames = len(episode)
         parsed.check_segments(items, frames, space)
         episode.columns[layout.PRIMITIVE_INDEX_KEY] = parsed.frame_labels(items, frames, space)
-        if motion_fps is not None:
-            episode.language = parsed.motion_column(items, frames, space, motion_fps)
+        if motion_rows:
+            rows = parsed.motion_rows(items, space, np.arange(frames) / CONTROL_FREQUENCY)
+            episode.language = parsed.at_every_frame(rows, frames)
 
 
 def _write_prime_files(
