@@ -46,7 +46,7 @@ def exchange(left: Path, right: Path) -> bool:
     if rename is None:
         return False
     here, both = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
-    return rename(here, os.fsencode(left), here, os.fsencode(right), both) == 0
+    return bool(rename(here, os.fsencode(left), here, os.fsencode(right), both) == 0)
 
 
 @contextmanager

@@ -40,6 +40,7 @@ ORDER = (
     ("affordances",),
     ("datasets.columns",),
     ("parsing", "datasets"),
+    ("datasets.annotation",),
     ("execution",),
     ("collection",),
     ("learning",),

@@ -13,6 +13,7 @@ from typing import Any, TextIO
 
 import typer
 
+from prime_core.cli.annotate import annotate
 from prime_core.cli.compare import compare
 from prime_core.cli.learn_primitives import learn_primitives
 from prime_core.cli.options import OWN_COMMANDS
@@ -39,7 +40,7 @@ def build_app(stream: TextIO) -> typer.Typer:
         stream: Standard output, as `output_apart` gave it.
     """
     app = _empty_app()
-    for command in (run, show, validate, parse, learn_primitives, compare, plugins):
+    for command in (run, show, validate, parse, annotate, learn_primitives, compare, plugins):
         app.command()(_of_prime(command))
     from prime_core.registry.loading import load_plugins
 

@@ -36,7 +36,7 @@ def parse(
     from prime_core.experiments.results.summaries import parsing_summary
 
     screen = console()
-    target = out or beside(dataset)
+    target = out or beside(dataset, "parsed")
     found = parse_foreign(dataset, run, target, strict)
     summary = parsing_summary([*found.parsed.values()])
     screen.print(

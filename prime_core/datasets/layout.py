@@ -110,11 +110,16 @@ def features_of(description: SceneDescription, contents: Contents) -> dict[str, 
     for name, shape in contents.images.items():
         sides = ["height", "width", "channels"]
         result[IMAGE_PREFIX + name] = {"dtype": "image", "shape": [*shape], "names": sides}
-    if contents.segments:
-        result[PRIMITIVE_INDEX_KEY] = _feature("int64", 1)
-    if contents.motion_rows:
-        result[MOTION_KEY] = _feature("language", 1)
+    result |= segment_features(contents.motion_rows) if contents.segments else {}
     return result | {key: _feature(kind, 1) for key, kind in BOOKKEEPING.items()}
+
+
+def segment_features(motion_rows: bool = True) -> dict[str, Any]:
+    """Return the features of a data set's segments."""
+    result = {PRIMITIVE_INDEX_KEY: _feature("int64", 1)}
+    if motion_rows:
+        result[MOTION_KEY] = _feature("language", 1)
+    return result
 
 
 def _feature(kind: str, width: int, names: list[str] | None = None) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """Reads the parquet files of a LeRobot v3 data set, and says clearly what is wrong with one."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +76,24 @@ def read_table(
         # Without partitioning=None a folder named "seed=0" would become a column.
         return pq.read_table(path, columns=columns, filters=chosen, partitioning=None)
     except (pa.ArrowException, OSError, ValueError, TypeError) as error:
+        raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
+
+
+@contextmanager
+def opened_parquet(path: Path) -> Iterator[Any]:
+    """Open a parquet file, for what is read of all its columns.
+
+    Raises:
+        DatasetError: If it is missing or broken, also where that shows only in the body.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    read_table(path, [])
+    try:
+        with pq.ParquetFile(path) as file:
+            yield file
+    except pa.ArrowException as error:
         raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
 
 
@@ -219,3 +238,13 @@ def texts(path: Path, table: Any, key: str) -> list[str]:
     rows = column.to_pylist()
     firsts = [next(iter(row), None) if isinstance(row, list) else row for row in rows]
     return [first or "" for first in firsts]
+
+
+def with_column(table: Any, key: str, values: Any) -> Any:
+    """Return a table with a column in the place of the one of its name, or after all others."""
+    import pyarrow as pa
+
+    column = pa.array(values) if isinstance(values, list) else values
+    if key not in table.column_names:
+        return table.append_column(key, column)
+    return table.set_column(table.column_names.index(key), key, column)

@@ -87,7 +87,7 @@ def read_dataset(
     Raises:
         DatasetError: If it or one of its episodes is broken, or is something else.
     """
-    header, own, mapping = _open(Path(folder), fps, None)
+    header, own, mapping = open_dataset(Path(folder), fps, None)
     entries = _choose(header, read_entries(header), episodes)
     demonstrations = []
     for found in _demonstrations(header, entries, description, mapping):
@@ -137,7 +137,7 @@ def read_demonstrations(
         ConfigurationError: If ``columns`` do not fit; the text names the key.
         DatasetError: If the data set as a whole cannot be used.
     """
-    header, _, mapping = _open(folder, fps, columns)
+    header, _, mapping = open_dataset(folder, fps, columns)
     entries = _choose(header, read_entries(header), episodes)
     return _demonstrations(header, entries, description, mapping)
 
@@ -151,10 +151,20 @@ def count_episodes(folder: Path | str) -> int:
     return int(read_info(Path(folder), None)["total_episodes"])
 
 
-def _open(
+def open_dataset(
     folder: Path, fps: int | None, columns: ColumnsConfig | None
 ) -> tuple[Header, dict[str, Any], ColumnsConfig | None]:
-    """Return a data set's header, our own file of it, and which columns hold what."""
+    """Return a data set's header, what our own file in it says, and which columns hold what.
+
+    Args:
+        folder: Of the data set.
+        fps: Observations a second that it must have; None takes any.
+        columns: Which columns hold what; None takes what the data set was annotated by.
+
+    Raises:
+        ConfigurationError: If ``columns`` name what is not there; the text names the key.
+        DatasetError: If it is broken, or no LeRobot v3 data set.
+    """
     own = read_prime_file(folder)
     if columns is None and own.get("columns") is not None:
         try:
@@ -216,7 +226,15 @@ def _demonstrations(
         )
     else:
         table = MappedColumns(header, description, mapping)
-    units = UnitCheck(description)
+    return _shown(header, entries, table, UnitCheck(description))
+
+
+def _shown(
+    header: Header,
+    entries: Sequence[EpisodeEntry],
+    table: OwnColumns | MappedColumns,
+    units: UnitCheck,
+) -> Iterator[Demonstration | DemonstrationError]:
     for entry, columns in read_episodes(header, entries):
         if isinstance(columns, DemonstrationError):
             yield columns
