@@ -42,7 +42,7 @@ def annotate(
     ] = False,
 ) -> None:
     """Write segments, parameters and confidences into a LeRobot data set."""
-    from prime_core.experiments.annotate_dataset import annotate_dataset, model_of_run
+    from prime_core.experiments.annotate_dataset import annotate_dataset
     from prime_core.experiments.parse_dataset import beside
     from prime_core.experiments.results.summaries import parsing_summary
 
@@ -50,7 +50,7 @@ def annotate(
         raise typer.BadParameter("--in-place writes into the data set itself: leave out --out")
     screen = console()
     target = dataset if in_place else out or beside(dataset, "annotated")
-    found = annotate_dataset(dataset, model_of_run(run), target, columns, strict)
+    found = annotate_dataset(dataset, run, target, columns, strict)
     summary = parsing_summary([*found.parsed.values()])
     screen.print(
         f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "

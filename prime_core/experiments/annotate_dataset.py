@@ -84,7 +84,7 @@ def model_of_run(run: Path) -> SegmentationModel:
 
 def annotate_dataset(
     source: Path,
-    model: SegmentationModel,
+    run: Path,
     target: Path,
     mapping: Path | None = None,
     strict: bool = False,
@@ -93,7 +93,7 @@ def annotate_dataset(
 
     Args:
         source: Folder of the data set, of any frame rate.
-        model: What cuts it.
+        run: The folder of a run with a trained IDM.
         target: Folder of the annotated one; the data set's own to annotate it in place.
         mapping: A YAML file that says which columns hold what, where they are not ours.
         strict: Whether an episode that cannot be used is an error.
@@ -106,6 +106,7 @@ def annotate_dataset(
     try:
         header, _, columns = open_dataset(source, None, columns)
         annotation = Annotation(header, target)  # before it is read
+        model = model_of_run(run)
         shown = read_demonstrations(source, model.description, columns=columns, fps=None)
     except ConfigurationError as error:
         raise ConfigurationError(f"{mapping or source}: {error}") from None
