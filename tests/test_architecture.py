@@ -47,6 +47,7 @@ ORDER = (
     ("reporting",),
     ("checks",),
     ("registry",),
+    ("deployment",),
     ("experiments.run_folder",),
     ("experiments.stages",),
     ("experiments.stages.outputs",),

@@ -15,7 +15,11 @@ def annotate(
     ],
     run: Annotated[
         Path,
-        typer.Option("--run", help="The folder of a run with a trained IDM.", callback=expanded),
+        typer.Option(
+            "--run",
+            help="The folder of a run with a trained IDM, or one that export-policy wrote.",
+            callback=expanded,
+        ),
     ],
     out: Annotated[
         Path | None,

@@ -41,6 +41,7 @@ OWN_COMMANDS = (
     "parse",
     "annotate",
     "learn-primitives",
+    "export-policy",
     "compare",
     "plugins",
 )

@@ -16,6 +16,8 @@ from prime_core.contracts.parser import ParserConfig
 from prime_core.datasets.annotation.annotate import Annotation
 from prime_core.datasets.columns.settings import ColumnsConfig
 from prime_core.datasets.read import open_dataset, read_demonstrations
+from prime_core.deployment.exported_models import ExportedModels
+from prime_core.deployment.manifest import MODELS
 from prime_core.errors import ConfigurationError, DemonstrationError
 from prime_core.execution.demonstrated_images import own_images
 from prime_core.experiments.parse_dataset import check_idm, open_run
@@ -34,13 +36,13 @@ class SegmentationModel:
         idm: Trained.
         parser: Its settings.
         description: Of the scenes.
-        cameras: What the IDM sees through, if it sees images.
+        cameras: What the IDM sees through; None where it sees no images.
     """
 
     idm: InverseDynamicsModel
     parser: ParserConfig
     description: SceneDescription
-    cameras: CameraConfig
+    cameras: CameraConfig | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +73,17 @@ def read_columns(path: Path) -> ColumnsConfig:
 def model_of_run(run: Path) -> SegmentationModel:
     """Return what a run has trained to cut demonstrations.
 
+    Args:
+        run: The folder of a run, whose environment is built to learn of its scenes, or one that
+            ``prime export-policy`` wrote, which tells of them.
+
     Raises:
-        ConfigurationError: If it is no folder of a run, or its IDM is not trained.
+        ConfigurationError: If it is neither, or its IDM is not trained.
     """
+    if (run / MODELS).is_file():
+        exported = ExportedModels.open(run)
+        cameras = exported.manifest.cameras
+        return SegmentationModel(exported.idm(), exported.parser(), exported.description, cameras)
     experiment = open_run(run)
     check_idm(experiment, run)
     settings = experiment.config
@@ -93,7 +103,7 @@ def annotate_dataset(
 
     Args:
         source: Folder of the data set, of any frame rate.
-        run: The folder of a run with a trained IDM.
+        run: The folder of a run with a trained IDM, or of exported models.
         target: Folder of the annotated one; the data set's own to annotate it in place.
         mapping: A YAML file that says which columns hold what, where they are not ours.
         strict: Whether an episode that cannot be used is an error.
@@ -136,15 +146,15 @@ def _parsed(
     own = demonstration.observations
     seen = replace(own, images={})
     frames = frames_at(CONTROL_FREQUENCY, fps, len(own))
-    if "images" in model.idm.sees:
+    images: dict[str, ChosenImages] = {}
+    if "images" in model.idm.sees and model.cameras is not None:
         shown = own_images(own, model.cameras, str(source)).images
         images = {name: ChosenImages.joined([each]).chosen(frames) for name, each in shown.items()}
-    else:
-        images = {}
     chosen = replace(demonstration, observations=replace(seen[frames], images=images))
+    parser = at_rate(model.parser, fps / CONTROL_FREQUENCY)
     segments = tuple(
         replace(item, start=int(frames[item.start]), end=int(frames[item.end]))
-        for item in parse_demonstration(chosen, model.idm, model.parser).segments
+        for item in parse_demonstration(chosen, model.idm, parser).segments
     )
     return ParsedDemonstration(replace(demonstration, observations=seen), segments)
 
@@ -162,3 +172,17 @@ def frames_at(rate: float, fps: float, count: int) -> Indices:
     ticks = np.round(np.arange(0.0, count - 1, fps / rate)).astype(np.int64)
     frames: Indices = np.unique(np.append(ticks[ticks < count], count - 1))
     return frames
+
+
+def at_rate(parser: ParserConfig, share: float) -> ParserConfig:
+    """Return a parser's settings for fewer frames a second: segments last as long as ever.
+
+    Args:
+        parser: Its settings for our rate.
+        share: Of our rate; nothing changes from 1 on, for there frames are left out.
+    """
+    if share >= 1.0:
+        return parser
+    shortest = max(1, round(parser.minimum_steps * share))
+    longest = max(2 * shortest - 1, round(parser.maximum_steps * share))
+    return parser.model_copy(update={"minimum_steps": shortest, "maximum_steps": longest})
