@@ -56,7 +56,6 @@ def read_table(
     Raises:
         DatasetError: If the file is missing or broken, or a column is missing.
     """
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
@@ -66,7 +65,7 @@ def read_table(
         raise DatasetError(f"{path} is missing: the data set is not complete") from None
     except OSError as error:
         raise DatasetError(f"{path} cannot be read: {error.strerror or error}") from error
-    try:
+    with _broken_told(path):
         metadata = pq.read_metadata(path)
         present = metadata.schema.to_arrow_schema().names
         columns = [*columns, *(name for name in optional if name in present)]
@@ -75,25 +74,49 @@ def read_table(
         chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
         # Without partitioning=None a folder named "seed=0" would become a column.
         return pq.read_table(path, columns=columns, filters=chosen, partitioning=None)
-    except (pa.ArrowException, OSError, ValueError, TypeError) as error:
-        raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
 
 
-@contextmanager
-def opened_parquet(path: Path) -> Iterator[Any]:
-    """Open a parquet file, for what is read of all its columns.
+def row_groups(path: Path) -> Iterator[tuple[Any, str]]:
+    """Yield the row groups of a parquet file one after another, all columns of each.
+
+    Yields:
+        An arrow table, and by what it is compressed, as `pyarrow.parquet.ParquetWriter` has it.
 
     Raises:
-        DatasetError: If it is missing or broken, also where that shows only in the body.
+        DatasetError: If the file is missing or broken.
     """
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
     read_table(path, [])
+    with pq.ParquetFile(path) as file:
+        for number in range(file.num_row_groups):
+            with _broken_told(path):
+                codec = file.metadata.row_group(number).column(0).compression.lower()
+                table = file.read_row_group(number)
+            yield table, "none" if codec == "uncompressed" else codec
+
+
+def whole_table(path: Path) -> Any:
+    """Return all columns of a parquet file as an arrow table.
+
+    Raises:
+        DatasetError: If the file is missing or broken.
+    """
+    import pyarrow.parquet as pq
+
+    read_table(path, [])
+    with _broken_told(path):
+        return pq.read_table(path, partitioning=None)
+
+
+@contextmanager
+def _broken_told(path: Path) -> Iterator[None]:
+    """Turn arrow's errors into what a user can mend."""
+    import pyarrow as pa
+
     try:
-        with pq.ParquetFile(path) as file:
-            yield file
-    except pa.ArrowException as error:
+        yield
+    except (pa.ArrowException, OSError, ValueError, TypeError) as error:
         raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
 
 

@@ -15,8 +15,8 @@ from prime_core.contracts.demonstration import Segment
 from prime_core.datasets import layout
 from prime_core.datasets.parquet_reader import (
     numbers,
-    opened_parquet,
     read_table,
+    row_groups,
     whole_numbers,
     with_column,
 )
@@ -70,12 +70,10 @@ def annotate_data_file(source: Path, target: Path, labels: Labels) -> None:
 
     rows = _language_rows(source, labels)
     target.parent.mkdir(parents=True, exist_ok=True)
-    with opened_parquet(source) as file, ExitStack() as stack:
-        kept = file.metadata.row_group(0).column(0).compression.lower()
-        compression = "none" if kept == "uncompressed" else kept
+    with ExitStack() as stack:
         writer = None
-        for number in range(file.num_row_groups):
-            table = _annotated(source, file.read_row_group(number), labels, rows)
+        for group, compression in row_groups(source):
+            table = _annotated(source, group, labels, rows)
             if writer is None:
                 writer = stack.enter_context(
                     pq.ParquetWriter(target, table.schema, compression=compression)
@@ -136,7 +134,7 @@ def _merged(path: Path, given: Any, pieces: Sequence[Any], counts: Sequence[int]
     """
     import pyarrow as pa
 
-    rows, names = given.flatten() if pa.types.is_list(given.type) else None, []
+    rows, names = given.values if pa.types.is_list(given.type) else None, []
     if rows is not None and pa.types.is_struct(rows.type):
         names = [field.name for field in rows.type]
     if rows is None or {"style", "timestamp"} - {*names}:
@@ -148,21 +146,21 @@ def _merged(path: Path, given: Any, pieces: Sequence[Any], counts: Sequence[int]
     every = pa.concat_arrays([rows, ours])
     times = every.field("timestamp").to_numpy(zero_copy_only=False)
     is_kept = np.array([style != MOTION for style in rows.field("style").to_pylist()], dtype=bool)
-    lengths = given.value_lengths().fill_null(0).to_numpy()
-    firsts = np.concatenate(([0], np.cumsum(lengths)))
+    firsts = given.offsets.to_numpy()
+    lengths = np.nan_to_num(given.value_lengths().to_numpy(zero_copy_only=False)).astype(np.int64)
     order, sizes, frame, own = [], [], 0, len(rows)
     for piece, count in zip(pieces, counts, strict=True):
         new = np.arange(own, own + len(piece))
         for row in range(frame, frame + count):
-            old = np.arange(firsts[row], firsts[row + 1])
+            old = firsts[row] + np.arange(lengths[row])
             chosen = np.concatenate((old[is_kept[old]], new))
             order.append(chosen[np.argsort(times[chosen], kind="stable")])
             sizes.append(len(chosen))
         frame, own = frame + count, own + len(piece)
-    offsets = np.concatenate(([0], np.cumsum(sizes))).astype(np.int32)
-    return pa.ListArray.from_arrays(
-        pa.array(offsets), every.take(pa.array(np.concatenate(order))), type=given.type
-    )
+    offsets = pa.array(np.concatenate(([0], np.cumsum(sizes))).astype(np.int32))
+    # Arrow takes nothing of an empty array of JSON.
+    chosen = every.take(pa.array(np.concatenate(order))) if len(every) else every
+    return pa.ListArray.from_arrays(offsets, chosen, type=given.type)
 
 
 def _as(rows: Any, kind: Any) -> Any:

@@ -12,7 +12,7 @@ from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.datasets import layout
 from prime_core.datasets.columns.settings import ColumnsConfig
 from prime_core.datasets.header import Header, read_json
-from prime_core.datasets.parquet_reader import opened_parquet, whole_numbers, with_column
+from prime_core.datasets.parquet_reader import whole_numbers, whole_table, with_column
 from prime_core.datasets.parquet_writer import write_json, write_table
 from prime_core.datasets.read import read_prime_file
 from prime_core.datasets.segments import dump_space
@@ -68,8 +68,7 @@ def _annotate_episodes(source: Path, target: Path, statistics: Mapping[int, Stat
 
     One without any statistics stays as it is.
     """
-    with opened_parquet(source) as file:
-        table = file.read()
+    table = whole_table(source)
     if not any(name.startswith(STATISTICS_PREFIX) for name in table.column_names):
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(source, target)
