@@ -1,11 +1,7 @@
 """``prime annotate`` on a run of the toy pack, which needs no simulator."""
 
 import json
-import os
 import shutil
-import signal
-import subprocess
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -27,7 +23,7 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.results.policy_export import Choice, export_policy
 from prime_core.experiments.running import run_experiment
 
-from ..datasets.edits import edit_column, edit_info, rows
+from ..datasets.edits import edit_info
 from ..datasets.samples import DATA, fingerprint
 from .toy_pack import ClimberConfig, PointMassConfig
 
@@ -48,30 +44,6 @@ MAPPING = {
         for item in DESCRIPTION.objects
     },
 }
-
-
-@pytest.fixture
-def climbs(tmp_path: Path) -> Path:
-    """Write a data set of three climbs, of which the second holds a NaN."""
-    climber, environment = ClimberConfig(count=3), PointMassConfig()
-    shown = [climber.demonstrate(environment, index, 7) for index in range(3)]
-    write_dataset(tmp_path / "climbs", shown, DESCRIPTION)
-    first = len(shown[0].observations)
-
-    def holed(values: np.ndarray) -> np.ndarray:
-        values[first + 2, 1] = np.nan
-        return values
-
-    edit_column(tmp_path / "climbs", DATA, "action", rows(holed))
-    return tmp_path / "climbs"
-
-
-@pytest.fixture
-def trained(toy: Make) -> Path:
-    """Return the folder of a run whose IDM is trained."""
-    job = toy()
-    run_experiment(job, Console(quiet=True), "idm")
-    return job.folder
 
 
 def foreign(folder: Path, fps: int = 20) -> Path:
@@ -247,66 +219,3 @@ def test_exported_models_need_no_environment(
     with pytest.raises(PrimeError, match="idm holds no model"):
         annotate_dataset(climbs, tmp_path / "exported", tmp_path / "again")
     assert not (tmp_path / "again").exists()
-
-
-NO_SIMULATOR = """
-import sys
-
-class Absent:
-    def find_spec(self, name, path=None, target=None):
-        if name.split(".")[0] in ("mujoco", "robosuite", "mink", "torch", "lerobot"):
-            raise ImportError(f"{name} is not installed here")
-
-sys.meta_path.insert(0, Absent())
-"""
-
-
-def test_neither_a_simulator_nor_torch_is_asked_for(
-    trained: Path, climbs: Path, tmp_path: Path, prime_command: Callable[..., Any]
-) -> None:
-    (tmp_path / "installed" / "sitecustomize.py").write_text(NO_SIMULATOR)
-    job = prime_command("annotate", str(climbs), "--run", str(trained), "--in-place")
-    said, errors = job.communicate(timeout=60)
-    assert job.returncode == 0, errors
-    assert f"Written to {climbs}. Primitives with their confidences:" in said
-    assert "0: rise 0.90" in said
-
-
-SLOW_DISK = """
-import shutil, time
-copied = shutil.copymode
-
-def slowly(*arguments, **options):
-    copied(*arguments, **options)
-    open("reached", "a").close()
-    time.sleep(0.5)
-
-shutil.copymode = slowly
-"""
-
-
-def test_killed_at_any_time_it_leaves_the_data_set_as_it_was(
-    trained: Path, climbs: Path, tmp_path: Path, prime_command: Callable[..., Any]
-) -> None:
-    before = fingerprint(climbs)
-    (tmp_path / "installed" / "sitecustomize.py").write_text(SLOW_DISK)
-    for end in (signal.SIGKILL, signal.SIGINT):
-        (tmp_path / "reached").unlink(missing_ok=True)
-        job: subprocess.Popen[str] = prime_command(
-            "annotate", str(climbs), "--run", str(trained), "--in-place"
-        )
-        deadline = time.monotonic() + 60
-        while not (tmp_path / "reached").exists() and time.monotonic() < deadline:
-            time.sleep(0.01)
-        os.kill(job.pid, end)
-        job.communicate(timeout=60)
-        assert job.returncode not in (0, 1)
-        assert fingerprint(climbs) == before
-    # A killed process cannot clear away what it wrote aside; one that is interrupted does.
-    assert len([*tmp_path.glob(".climbs*")]) == 1
-    (tmp_path / "installed" / "sitecustomize.py").unlink()
-    for left in tmp_path.glob(".climbs*"):
-        shutil.rmtree(left)
-    assert fingerprint(climbs) == before
-    annotate(climbs, trained, in_place=True)
-    assert read_dataset(climbs, episodes=[0]).segments is not None
