@@ -1,5 +1,7 @@
 """Annotates data sets from elsewhere with the IDM of a run: segments and confidences, in place."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -113,13 +115,12 @@ def annotate_dataset(
             then it is as it was.
     """
     columns = None if mapping is None else read_columns(mapping)
-    try:
+    with _file_named(mapping or source):
         header, _, columns = open_dataset(source, None, columns)
-        annotation = Annotation(header, target)  # before it is read
-        model = model_of_run(run)
+    annotation = Annotation(header, target)  # before it is read
+    model = model_of_run(run)
+    with _file_named(mapping or source):
         shown = read_demonstrations(source, model.description, columns=columns, fps=None)
-    except ConfigurationError as error:
-        raise ConfigurationError(f"{mapping or source}: {error}") from None
     segments: list[tuple[Segment, ...]] = []
     parsed: dict[str, ParsedDemonstration] = {}
     left_out: dict[str, str] = {}
@@ -137,6 +138,15 @@ def annotate_dataset(
     with place_told(target):
         annotation.write(segments, model.idm.space, columns)
     return Annotated(parsed, left_out)
+
+
+@contextmanager
+def _file_named(path: Path) -> Iterator[None]:
+    """Put a file before what is said of the keys in it."""
+    try:
+        yield
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{path}: {error}") from None
 
 
 def _parsed(
