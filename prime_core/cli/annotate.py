@@ -1,12 +1,15 @@
 """``prime annotate``."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from prime_core.cli.options import expanded
 from prime_core.cli.output import console
+
+if TYPE_CHECKING:
+    from prime_core.experiments.annotate_dataset import AnnotatedDataset
 
 
 def annotate(
@@ -48,13 +51,18 @@ def annotate(
     """Write segments, parameters and confidences into a LeRobot data set."""
     from prime_core.experiments.annotate_dataset import annotate_dataset
     from prime_core.experiments.parse_dataset import beside
-    from prime_core.experiments.results.summaries import parsing_summary
 
     if in_place and out is not None:
         raise typer.BadParameter("--in-place writes into the data set itself: leave out --out")
-    screen = console()
     target = dataset if in_place else out or beside(dataset, "annotated")
-    found = annotate_dataset(dataset, run, target, columns, strict)
+    _say(annotate_dataset(dataset, run, target, columns, strict), target)
+
+
+def _say(found: "AnnotatedDataset", target: Path) -> None:
+    """Print what was written."""
+    from prime_core.experiments.results.summaries import parsing_summary
+
+    screen = console()
     summary = parsing_summary([*found.parsed.values()])
     screen.print(
         f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "

@@ -48,7 +48,7 @@ class SegmentationModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Annotated:
+class AnnotatedDataset:
     """What was written into a data set.
 
     Attributes:
@@ -100,7 +100,7 @@ def annotate_dataset(
     target: Path,
     mapping: Path | None = None,
     strict: bool = False,
-) -> Annotated:
+) -> AnnotatedDataset:
     """Write segments and their confidences into a LeRobot data set.
 
     Args:
@@ -137,7 +137,7 @@ def annotate_dataset(
     check_left_out(left_out, len(segments), strict)
     with place_told(target):
         annotation.write(segments, model.idm.space, columns)
-    return Annotated(parsed, left_out)
+    return AnnotatedDataset(parsed, left_out)
 
 
 @contextmanager
