@@ -1,15 +1,12 @@
 """``prime annotate``."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from prime_core.cli.options import expanded
-from prime_core.cli.output import console
-
-if TYPE_CHECKING:
-    from prime_core.experiments.annotate_dataset import AnnotatedDataset
+from prime_core.cli.parse import say_parsed
 
 
 def annotate(
@@ -55,28 +52,10 @@ def annotate(
     if in_place and out is not None:
         raise typer.BadParameter("--in-place writes into the data set itself: leave out --out")
     target = dataset if in_place else out or beside(dataset, "annotated")
-    _say(annotate_dataset(dataset, run, target, columns, strict), target)
-
-
-def _say(found: "AnnotatedDataset", target: Path) -> None:
-    """Print what was written."""
-    from prime_core.experiments.results.summaries import parsing_summary
-
-    screen = console()
-    summary = parsing_summary([*found.parsed.values()])
-    screen.print(
-        f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "
-        f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
-        f"unexplained; {len(found.left_out)} left out.\nWritten to {target}. Primitives with their "
-        "confidences:",
-        highlight=False,
-        markup=False,
-        soft_wrap=True,
+    found = annotate_dataset(dataset, run, target, columns, strict)
+    say_parsed(
+        found.parsed,
+        found.left_out,
+        target,
+        lambda item: f"{item.call.primitive} ({item.confidence:.2f})",
     )
-    for number, parsed in found.parsed.items():
-        words = [f"{item.call.primitive} {item.confidence:.2f}" for item in parsed.segments]
-        screen.print(f"  {number}: {', '.join(words)}", highlight=False, markup=False)
-    for number, reason in found.left_out.items():
-        screen.print(
-            f"  {number} left out: {reason}", highlight=False, markup=False, soft_wrap=True
-        )

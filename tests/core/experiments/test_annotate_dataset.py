@@ -115,8 +115,8 @@ def test_a_copy_is_annotated_and_what_was_left_out_is_listed(
     annotate(climbs, trained)
     said = " ".join(capsys.readouterr().out.split())
     assert "2 demonstrations, 1.0 primitives for 8 steps, 0.0% of the steps unexplained; " in said
-    assert f"1 left out. Written to {climbs}-annotated. Primitives with their conf" in said
-    assert f"0: rise 0.90 2: rise 0.90 1 left out: {reason}" in said
+    assert f"1 left out. Written to {climbs}-annotated 0: " in said
+    assert f"0: rise (0.90) 2: rise (0.90) 1 left out: {reason}" in said
     assert fingerprint(climbs) == before
     table = pq.read_table(tmp_path / "climbs-annotated" / "meta" / "primitives.parquet")
     assert table["episode"].to_pylist() == [0, 2]

@@ -33,8 +33,8 @@ def test_neither_a_simulator_nor_torch_is_asked_for(
     job = prime_command("annotate", str(climbs), "--run", str(trained), "--in-place")
     said, errors = job.communicate(timeout=60)
     assert job.returncode == 0, errors
-    assert f"Written to {climbs}. Primitives with their confidences:" in said
-    assert "0: rise 0.90" in said
+    assert f"Written to {climbs}\n" in said
+    assert "0: rise (0.90)" in said
 
 
 SLOW_DISK = """
