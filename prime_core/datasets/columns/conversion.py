@@ -25,7 +25,7 @@ RADIANS = {"rad": 1.0, "deg": np.pi / 180.0}
 WIDTHS: dict[Orientation, int] = {"wxyz": 4, "xyzw": 4, "rpy": 3, "rotation-vector": 3, "yaw": 1}
 """How many numbers an orientation is."""
 
-NEAR = 0.05  # metres from an object's centre to the gripper that may hold it
+NEAR = 0.08  # metres from the gripper to the centre of what it holds: half of a carton is 6 cm
 LEAST_HELD = 0.002  # metres between the fingers that hold something
 MOVED = 0.005  # metres that the fingers have closed by to hold something
 COMMANDED = 0.0005  # metres by which the fingers move in a step that they are told to
