@@ -1,4 +1,4 @@
-"""Gathers the results of an experiment, and shows them as tables.
+"""What comes out of an experiment: gathered results, shown as tables; policies, exported.
 
 A new figure starts in `summaries`; `figures` says how it is shown.
 """

@@ -10,7 +10,7 @@ from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.other_code import other_code_in
 from prime_core.experiments.results.checksum import with_checksum
 from prime_core.experiments.results.comparison import read_results
-from prime_core.experiments.results.provenance import _commit, versions
+from prime_core.experiments.results.provenance import commit, versions
 from prime_core.experiments.results.summaries import summarise
 from prime_core.experiments.run_folder.seal import TIMING
 from prime_core.experiments.running import wall_seconds
@@ -39,7 +39,7 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
     results = {
         "name": experiment.config.name,
         "command": list(command),
-        "commit": _commit(),
+        "commit": commit(),
         "versions": versions(),
         "seeds": {
             "experiment": experiment.config.seed,
