@@ -10,7 +10,7 @@ from prime_core.experiments.other_code import other_code_in
 from prime_core.experiments.results.checksum import with_checksum
 from prime_core.experiments.results.comparison import whole_results
 from prime_core.experiments.results.costs import parameters_of, timing_of
-from prime_core.experiments.results.provenance import _commit, versions
+from prime_core.experiments.results.provenance import commit, versions
 from prime_core.experiments.results.summaries import summarise
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.stage import Stage
@@ -42,7 +42,7 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
         "name": experiment.config.name,
         "environment": dump_choice(experiment.config.environment),
         "command": list(command),
-        "commit": _commit(),
+        "commit": commit(),
         "versions": versions(),
         "seeds": {
             "experiment": experiment.config.seed,
