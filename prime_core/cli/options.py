@@ -39,8 +39,10 @@ OWN_COMMANDS = (
     "show",
     "validate",
     "parse",
+    "annotate",
     "convert",
     "learn-primitives",
+    "export-policy",
     "compare",
     "plugins",
 )

@@ -25,12 +25,15 @@ class Segment:
         call: The primitive call that leads from the one to the other. Its primitive is
             ``"other"`` and its parameters are empty where no primitive does.
         log_probability: As the parser scored it.
+        confidence: How sure the scores are of its primitive, in [0, 1]; see
+            `prime_core.parsing.confidence`. None where that is not known.
     """
 
     start: int
     end: int
     call: PrimitiveCall
     log_probability: float
+    confidence: float | None = None
 
     @property
     def steps(self) -> int:

@@ -15,17 +15,17 @@ from numpy.typing import NDArray
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.images import Images
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
-from prime_core.datasets import layout
-from prime_core.datasets.embedded_images import embedded
-from prime_core.datasets.metadata_writer import (
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.metadata_writer import (
     WrittenEpisode,
     place_of,
     write_episodes,
     write_info,
     write_tasks,
 )
-from prime_core.datasets.statistics import Statistics, statistics_of
-from prime_core.datasets.video_images import write_frames
+from prime_core.datasets.files.statistics import Statistics, statistics_of
+from prime_core.datasets.images.embedded import embedded
+from prime_core.datasets.images.videos import write_frames
 
 Columns = dict[str, NDArray[Any]]
 

@@ -14,11 +14,11 @@ from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_NAMES, CONTROL_FREQUENCY
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
-from prime_core.datasets import layout
 from prime_core.datasets import segments as parsed
-from prime_core.datasets.metadata_writer import write_json, write_table
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.metadata_writer import write_json, write_table
+from prime_core.datasets.images.videos import check_sizes
 from prime_core.datasets.parquet_writer import Columns, Episode, episode_of, write_files
-from prime_core.datasets.video_images import check_sizes
 from prime_core.errors import DatasetError
 from prime_core.files import new_folder
 
@@ -76,8 +76,7 @@ def write_dataset(
     features = layout.features_of(description, contents)
     episodes: Iterable[Episode] = map(form.episode, enumerate(chain([first], others)))
     if segments is not None and space is not None:
-        motion_fps = CONTROL_FREQUENCY if motion_rows else None
-        episodes = _labelled(episodes, segments, space, motion_fps)
+        episodes = _labelled(episodes, segments, space, motion_rows)
     with new_folder(folder) as partial:
         robot = "unknown" if description.robot is None else description.robot.name
         write_files(partial, episodes, features, fps=CONTROL_FREQUENCY, robot_type=robot)
@@ -187,15 +186,16 @@ def _labelled(
     episodes: Iterable[Episode],
     segments: parsed.SegmentLists,
     space: PrimitiveSpace,
-    motion_fps: int | None,
+    motion_rows: bool,
 ) -> Iterator[Episode]:
     """Yield episodes with what their segments say, of which there are as many lists."""
     for episode, items in zip(episodes, segments, strict=True):
         frames = len(episode)
         parsed.check_segments(items, frames, space)
         episode.columns[layout.PRIMITIVE_INDEX_KEY] = parsed.frame_labels(items, frames, space)
-        if motion_fps is not None:
-            episode.language = parsed.motion_column(items, frames, space, motion_fps)
+        if motion_rows:
+            rows = parsed.motion_rows(items, space, np.arange(frames) / CONTROL_FREQUENCY)
+            episode.language = parsed.at_every_frame(rows, frames)
         yield episode
 
 

@@ -41,8 +41,24 @@ def open_run(folder: Path) -> Experiment:
     return Experiment(read_experiment(path), folder)
 
 
-def beside(source: Path) -> Path:
-    """Return where the parsed data set of a source is written unless told: beside it.
+def check_idm(experiment: Experiment, run: Path) -> None:
+    """Check that a run can parse.
+
+    Raises:
+        ConfigurationError: If its IDM is not trained.
+    """
+    if experiment.idm.missing():
+        raise ConfigurationError(
+            f"{run}: its IDM is not trained yet: prime run ... --until idm trains it"
+        )
+
+
+def beside(source: Path, ending: str) -> Path:
+    """Return where what is made of a source is written unless told: beside it.
+
+    Args:
+        source: A file or folder.
+        ending: What is put behind its name.
 
     Raises:
         ConfigurationError: If nothing can lie beside it.
@@ -52,7 +68,7 @@ def beside(source: Path) -> Path:
     whole = source if source.name not in ("", "..") else source.resolve()
     if not whole.name:
         raise ConfigurationError(f"{source}: nothing can lie beside it: say --out FOLDER")
-    return whole.with_name(f"{whole.name}-parsed")
+    return whole.with_name(f"{whole.name}-{ending}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +100,7 @@ def parse_foreign(
             has no trained IDM, or the target is there already.
     """
     experiment = open_run(run)
-    if experiment.idm.missing():
-        raise ConfigurationError(
-            f"{run}: its IDM is not trained yet: prime run ... --until idm trains it"
-        )
+    check_idm(experiment, run)
     if target.exists():
         raise DatasetError(f"{target}: is there already: choose another folder with --out")
     config = demonstrator_of(source)

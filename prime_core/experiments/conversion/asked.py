@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
-from prime_core.datasets.video_images import check_sizes
+from prime_core.datasets.images.videos import check_sizes
 from prime_core.errors import ConfigurationError
 from prime_core.experiments.reading import apply_setting, explain
 from prime_core.experiments.stages.outputs.conversion import PictureConfig

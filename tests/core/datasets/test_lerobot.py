@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from prime_core.contracts.description import RobotDescription
-from prime_core.datasets import layout as lerobot_layout
+from prime_core.datasets.files import layout as lerobot_layout
 from prime_core.datasets.read import read_dataset, write_dataset
 
 from .samples import (

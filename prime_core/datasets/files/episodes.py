@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.datasets import layout
-from prime_core.datasets.header import Header
-from prime_core.datasets.parquet_reader import (
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.header import Header
+from prime_core.datasets.files.parquet_reader import (
     list_files,
     numbers,
     read_table,

@@ -1,7 +1,8 @@
 """Reads the parquet files of a LeRobot v3 data set, and says clearly what is wrong with one."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -38,18 +39,23 @@ def list_files(root: Path, pattern: str) -> list[Path]:
     return files
 
 
-def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | None = None) -> Any:
+def read_table(
+    path: Path,
+    columns: Sequence[str],
+    episodes: Sequence[int] | None = None,
+    optional: Sequence[str] = (),
+) -> Any:
     """Read columns of a parquet file as an arrow table.
 
     Args:
         path: The file.
         columns: Which columns.
         episodes: Which episodes; all if None.
+        optional: More columns, which need not be there.
 
     Raises:
         DatasetError: If the file is missing or broken, or a column is missing.
     """
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
@@ -59,14 +65,57 @@ def read_table(path: Path, columns: Sequence[str], episodes: Sequence[int] | Non
         raise DatasetError(f"{path} is missing: the data set is not complete") from None
     except OSError as error:
         raise DatasetError(f"{path} cannot be read: {error.strerror or error}") from error
-    try:
+    with _broken_told(path):
         metadata = pq.read_metadata(path)
         present = metadata.schema.to_arrow_schema().names
+        columns = [*columns, *(name for name in optional if name in present)]
         _check_columns(path, present, columns)
         _check_size(path, metadata, columns)
         chosen = None if episodes is None else [("episode_index", "in", list(episodes))]
         # Without partitioning=None a folder named "seed=0" would become a column.
-        return pq.read_table(path, columns=list(columns), filters=chosen, partitioning=None)
+        return pq.read_table(path, columns=columns, filters=chosen, partitioning=None)
+
+
+def row_groups(path: Path) -> Iterator[tuple[Any, str]]:
+    """Yield the row groups of a parquet file one after another, all columns of each.
+
+    Yields:
+        An arrow table, and by what it is compressed, as `pyarrow.parquet.ParquetWriter` has it.
+
+    Raises:
+        DatasetError: If the file is missing or broken.
+    """
+    import pyarrow.parquet as pq
+
+    read_table(path, [])
+    with pq.ParquetFile(path) as file:
+        for number in range(file.num_row_groups):
+            with _broken_told(path):
+                codec = file.metadata.row_group(number).column(0).compression.lower()
+                table = file.read_row_group(number)
+            yield table, "none" if codec == "uncompressed" else codec
+
+
+def whole_table(path: Path) -> Any:
+    """Return all columns of a parquet file as an arrow table.
+
+    Raises:
+        DatasetError: If the file is missing or broken.
+    """
+    import pyarrow.parquet as pq
+
+    read_table(path, [])
+    with _broken_told(path):
+        return pq.read_table(path, partitioning=None)
+
+
+@contextmanager
+def _broken_told(path: Path) -> Iterator[None]:
+    """Turn arrow's errors into what a user can mend."""
+    import pyarrow as pa
+
+    try:
+        yield
     except (pa.ArrowException, OSError, ValueError, TypeError) as error:
         raise DatasetError(f"{path}: {BROKEN} ({_first_line(error)})") from error
 
@@ -212,3 +261,13 @@ def texts(path: Path, table: Any, key: str) -> list[str]:
     rows = column.to_pylist()
     firsts = [next(iter(row), None) if isinstance(row, list) else row for row in rows]
     return [first or "" for first in firsts]
+
+
+def with_column(table: Any, key: str, values: Any) -> Any:
+    """Return a table with a column in the place of the one of its name, or after all others."""
+    import pyarrow as pa
+
+    column = pa.array(values) if isinstance(values, list) else values
+    if key not in table.column_names:
+        return table.append_column(key, column)
+    return table.set_column(table.column_names.index(key), key, column)

@@ -127,11 +127,16 @@ def features_of(description: SceneDescription, contents: Contents) -> dict[str, 
         result[IMAGE_PREFIX + name] = {"dtype": kind, "shape": [*shape], "names": sides}
         if contents.videos:
             result[IMAGE_PREFIX + name]["info"] = video_info(*shape[:2])
-    if contents.segments:
-        result[PRIMITIVE_INDEX_KEY] = _feature("int64", 1)
-    if contents.motion_rows:
-        result[MOTION_KEY] = _feature("language", 1)
+    result |= segment_features(contents.motion_rows) if contents.segments else {}
     return result | {key: _feature(kind, 1) for key, kind in BOOKKEEPING.items()}
+
+
+def segment_features(motion_rows: bool = True) -> dict[str, Any]:
+    """Return the features of a data set's segments."""
+    result = {PRIMITIVE_INDEX_KEY: _feature("int64", 1)}
+    if motion_rows:
+        result[MOTION_KEY] = _feature("language", 1)
+    return result
 
 
 def video_info(height: int, width: int) -> dict[str, Any]:

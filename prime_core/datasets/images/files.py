@@ -6,7 +6,6 @@ The file is a Blosc2 array (``blosc2.b2nd``); any image is read alone.
 from collections.abc import Iterable
 from pathlib import Path
 
-import blosc2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +28,8 @@ class ImageFile:
     """
 
     def __init__(self, path: Path) -> None:
+        import blosc2
+
         try:
             self._array = blosc2.open(str(path), mode="r", mmap_mode="r")
         except (OSError, RuntimeError, ValueError) as error:
@@ -63,6 +64,8 @@ def write_images(path: Path, batches: Iterable[NDArray[np.uint8]], shape: tuple[
     Raises:
         ValueError: If there are not N images.
     """
+    import blosc2
+
     block = (1, *shape[1:])
     # One thread: the same bytes each time, and workers are as many as there are cores.
     packing = {"codec": blosc2.Codec.ZSTD, "clevel": LEVEL, "nthreads": 1}

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from prime_core.arrays import Floats, Indices
 from prime_core.contracts.images import ChosenImages, Images
-from prime_core.datasets import layout
-from prime_core.datasets.episodes import CLOCK_TOLERANCE, EpisodeEntry, file_in
-from prime_core.datasets.header import Camera, Header
-from prime_core.datasets.parquet_reader import numbers, read_table, whole_numbers
-from prime_core.datasets.statistics import PixelCounts, Statistics
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.episodes import CLOCK_TOLERANCE, EpisodeEntry, file_in
+from prime_core.datasets.files.header import Camera, Header
+from prime_core.datasets.files.parquet_reader import numbers, read_table, whole_numbers
+from prime_core.datasets.files.statistics import PixelCounts, Statistics
 from prime_core.errors import DatasetError, DemonstrationError, PrimeError
 
 LONGEST = 1e7  # [s], four months: what is later is no time in a video

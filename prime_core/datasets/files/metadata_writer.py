@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from prime_core.datasets import layout
-from prime_core.datasets.statistics import Statistics, merge, plain
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.statistics import Statistics, merge, plain
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from prime_core.arrays import Indices
 from prime_core.contracts.images import ChosenImages, Images
-from prime_core.datasets import layout
-from prime_core.datasets.episodes import EpisodeEntry
-from prime_core.datasets.header import Camera, Header
-from prime_core.datasets.parquet_reader import read_table
-from prime_core.datasets.statistics import PixelCounts, Statistics
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.episodes import EpisodeEntry
+from prime_core.datasets.files.header import Camera, Header
+from prime_core.datasets.files.parquet_reader import read_table
+from prime_core.datasets.files.statistics import PixelCounts, Statistics
 from prime_core.errors import DatasetError, DemonstrationError
 
 AT_ONCE = 64  # images in memory while they are packed

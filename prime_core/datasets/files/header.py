@@ -10,8 +10,15 @@ from typing import Any, TypeGuard
 from prime_core.configuration import GREATEST_COUNT
 from prime_core.contracts.environment import ACTION_NAMES
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
-from prime_core.datasets import layout
-from prime_core.errors import DatasetError
+from prime_core.datasets.columns.settings import ColumnsConfig, named_columns
+from prime_core.datasets.files import layout
+from prime_core.errors import ConfigurationError, DatasetError
+
+FLOATS = ("float32", "float64")
+"""Types of our own features."""
+
+NUMBERS = (*FLOATS, "int64", "int32")
+"""Types of features that a mapping may name."""
 
 
 @dataclass(frozen=True)
@@ -88,15 +95,15 @@ def read_json(path: Path) -> Any:
         raise DatasetError(f"{path} is not readable as JSON: {error}") from error
 
 
-def read_header(folder: Path, fps: int | None) -> Header:
-    """Read and check ``meta/info.json``.
+def read_info(folder: Path, fps: int | None) -> dict[str, Any]:
+    """Read and check ``meta/info.json``, but for its features.
 
     Args:
         folder: Of the data set.
         fps: Frames a second that are wanted; None takes any.
 
     Raises:
-        DatasetError: If it is not that of a LeRobot v3 data set with states and actions.
+        DatasetError: If it is not that of a LeRobot v3 data set.
     """
     path = folder / layout.INFO_FILE
     info = read_json(path)
@@ -107,6 +114,21 @@ def read_header(folder: Path, fps: int | None) -> Header:
             "is converted by `python -m lerobot.scripts.convert_dataset_v21_to_v30`"
         )
     _check_values(path, info, fps)
+    result: dict[str, Any] = info
+    return result
+
+
+def read_header(folder: Path, fps: int | None) -> Header:
+    """Read and check ``meta/info.json``.
+
+    Args:
+        folder: Of the data set.
+        fps: Frames a second that are wanted; None takes any.
+
+    Raises:
+        DatasetError: If it is not that of a LeRobot v3 data set with states and actions.
+    """
+    info, path = read_info(folder, fps), folder / layout.INFO_FILE
     features = info["features"]
     found = {
         STATE_KEY: _feature(path, features, STATE_KEY, "a vector of numbers"),
@@ -119,6 +141,27 @@ def read_header(folder: Path, fps: int | None) -> Header:
             found[key] = _feature(path, features, key, "a vector of numbers")
     # There is nothing to be read where a scene has no objects.
     found = {key: item for key, item in found.items() if item.width}
+    return Header(folder, info, found, _cameras(path, features))
+
+
+def read_mapped_header(folder: Path, fps: int | None, mapping: ColumnsConfig) -> Header:
+    """Read and check ``meta/info.json`` of a data set whose features a mapping names.
+
+    Raises:
+        ConfigurationError: If it names a feature that is not there; the text names the key.
+        DatasetError: If it is not that of a LeRobot v3 data set, or a feature is no numbers.
+    """
+    info, path = read_info(folder, fps), folder / layout.INFO_FILE
+    features, found = info["features"], {}
+    for key, config in named_columns(mapping):
+        if config.feature not in features:
+            raise ConfigurationError(
+                f"{key}.feature: {path} has no feature {config.feature!r}; it has "
+                f"{', '.join(sorted(features))}"
+            )
+        if config.feature not in found:
+            asked = "one or more numbers"
+            found[config.feature] = _feature(path, features, config.feature, asked, NUMBERS)
     return Header(folder, info, found, _cameras(path, features))
 
 
@@ -142,7 +185,13 @@ def _check_values(path: Path, info: Mapping[str, Any], fps: int | None) -> None:
         )
 
 
-def _feature(path: Path, features: Mapping[str, Any], key: str, asked: str) -> Feature:
+def _feature(
+    path: Path,
+    features: Mapping[str, Any],
+    key: str,
+    asked: str,
+    kinds: Sequence[str] = FLOATS,
+) -> Feature:
     if key not in features:
         listing = ", ".join(sorted(features))
         raise DatasetError(
@@ -156,17 +205,23 @@ def _feature(path: Path, features: Mapping[str, Any], key: str, asked: str) -> F
         )
     kind, shape = entry.get("dtype"), entry.get("shape")
     width = shape[0] if isinstance(shape, list) and len(shape) == 1 else None
-    if kind not in ("float32", "float64") or not _is_count(width):
+    if kind not in kinds or not _is_count(width):
         raise DatasetError(
             f"{path}: feature {key!r} is {kind} of shape {shape}; it should be {asked} per frame, "
-            "float32 or float64"
+            f"{' or '.join(kinds)}"
         )
+    if kinds == FLOATS:
+        _check_width(path, key, width)
+    return Feature(width, _names(path, key, entry.get("names"), width))
+
+
+def _check_width(path: Path, key: str, width: int) -> None:
+    """Check the width of a feature that every data set of ours has."""
     right = f"{len(ACTION_NAMES)} ({', '.join(ACTION_NAMES)})"
     if key == layout.ACTION_KEY and width != len(ACTION_NAMES):
         raise DatasetError(f"{path}: feature {key!r} has {width} numbers; it should have {right}")
     if key == STATE_KEY and not width:
         raise DatasetError(f"{path}: feature {key!r} has no numbers; it should have some")
-    return Feature(width, _names(path, key, entry.get("names"), width))
 
 
 def _cameras(path: Path, features: Mapping[str, Any]) -> dict[str, Camera]:
@@ -225,27 +280,3 @@ def _names(path: Path, key: str, found: object, width: int) -> tuple[str, ...] |
             f"{', '.join(names)}. Give one name for each number, or null"
         )
     return tuple(names)
-
-
-def column_order(header: Header, key: str, wanted: Sequence[str]) -> list[int] | None:
-    """Return which column holds each of a feature's numbers, by their names.
-
-    Returns:
-        None where the columns are in the order that is wanted, or have no names.
-
-    Raises:
-        DatasetError: If the names are others than those wanted.
-    """
-    found = header.names(key)
-    if found is None or found == tuple(wanted):
-        return None
-    strange = [name for name in found if name not in wanted]
-    if strange:
-        missing = next(name for name in wanted if name not in found)
-        raise DatasetError(
-            f"{header.info_file}: feature {key!r} has {strange[0]!r} where this environment has "
-            f"{missing!r}. It has {', '.join(found)}; wanted are, in any order, "
-            f"{', '.join(wanted)}. Either the data set is of another environment, or its names "
-            "have to be changed to these"
-        )
-    return [found.index(name) for name in wanted]
