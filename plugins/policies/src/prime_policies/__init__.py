@@ -18,12 +18,14 @@ def register_idms(register: Register) -> None:
 
 @hookimpl
 def register_policies(register: Register) -> None:
-    """Register the policies ``prime``, over primitives, and ``bc-rnn``, over motor actions."""
+    """Register ``prime``, over primitives, and ``bc-rnn`` and ``sailor``, over motor actions."""
     from prime_policies.motor.config import BcRnnConfig
     from prime_policies.primitive_policy.config import PrimePolicyConfig
+    from prime_policies.sailor.config import SailorConfig
 
     register("bc-rnn", BcRnnConfig)
     register("prime", PrimePolicyConfig)
+    register("sailor", SailorConfig)
 
 
 @hookimpl
