@@ -18,6 +18,7 @@ from prime_policies.sailor.retrieval import Retrieval, nearest
 from prime_policies.sailor.settings import SkillSettings
 from prime_policies.sailor.skill_examples import SkillExamples
 from prime_policies.sailor.skill_model import Gaussian, SkillModel
+from prime_policies.training.repeatable import first_weights
 from prime_policies.training.weights import read_tensors, write_tensors
 
 from .episodes import CONTEXT, KilledError, act, contents, episodes, train
@@ -44,7 +45,7 @@ CONFIG = SailorConfig(
         distance_hidden_sizes=(16,),
         learning_rate=5e-3,
         batch_size=64,
-        steps_per_epoch=100,
+        steps_per_epoch=60,
     ),
     hidden=48,
     layers=1,
@@ -53,7 +54,7 @@ CONFIG = SailorConfig(
     pretraining_epochs=6,
     epochs=4,
     checkpoints=2,
-    steps_per_epoch=60,
+    steps_per_epoch=40,
 )
 WINDOW, BEFORE = 14, 9  # of CONFIG
 
@@ -181,7 +182,7 @@ def test_examples_of_skills_lie_in_one_episode() -> None:
     assert batch.distances.min() == 0 and batch.distances.max() == 7
 
 
-def test_half_of_each_batch_was_retrieved(folder: Path, shown: list[Demonstration]) -> None:
+def test_half_of_each_batch_was_retrieved(shown: list[Demonstration]) -> None:
     own, prior = windows(shown), windows(episodes(seed=4, count=5))
     found = Retrieval(
         shown=torch.arange(float(len(own)))[:, None],
@@ -206,7 +207,7 @@ def test_half_of_each_batch_was_retrieved(folder: Path, shown: list[Demonstratio
 def test_a_skill_is_kept_for_its_steps(
     tmp_path: Path, shown: list[Demonstration], rollouts: list[Demonstration]
 ) -> None:
-    """What is seen changes the actions at once, the latent only where the next skill begins."""
+    """Each latent is of the last ten instants, and decoded for ten steps."""
     checkpoint = train(BRIEF, tmp_path, shown, rollouts)[-1]
     policy = BRIEF.load(checkpoint, CONTEXT)
     network, encoder = load_sailor(BRIEF, checkpoint, CONTEXT)
@@ -265,14 +266,16 @@ def test_the_predictors_have_a_rate_of_their_own(
     tmp_path: Path, shown: list[Demonstration], rollouts: list[Demonstration]
 ) -> None:
     still = BRIEF.skills.model_copy(update={"predictors_learning_rate": 1e-9})
-    config = BRIEF.model_copy(update={"skills": still})
-    train(config, tmp_path / "still", shown, rollouts)
-    train(BRIEF, tmp_path / "moved", shown, rollouts)
-    before, after = (
-        read_tensors(tmp_path / name / "skills.safetensors")[0] for name in ("still", "moved")
-    )
-    for name in ("inverse_dynamics.0.weight", "distance.2.weight", "encoder.head.0.weight"):
-        assert not torch.equal(before[name], after[name])
+    train(BRIEF.model_copy(update={"skills": still}), tmp_path, shown, rollouts)
+    with first_weights(0, "skills"):
+        before = SkillModel(FeatureEncoder(DESCRIPTION).width, 5, still).state_dict()
+    after, _ = read_tensors(tmp_path / "skills.safetensors")
+    for name, value in before.items():
+        moved = float((after[name] - value).abs().max())
+        if name.startswith(("inverse_dynamics", "distance")):
+            assert moved < 1e-6, name
+        elif not name.startswith("scaling"):
+            assert moved > 1e-4, name
 
 
 def test_divergence_is_that_of_torch() -> None:

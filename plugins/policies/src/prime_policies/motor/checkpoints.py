@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from prime_core.errors import WeightsError
 from prime_core.learning.model_card import Card, write_card
 from prime_policies.motor.settings import MotorTrainingSettings
 from prime_policies.networks.network import Network
@@ -42,10 +43,10 @@ def train_checkpoints(
 def actions_of(path: Path) -> int:
     """Return how many numbers an action has that a network's weights tell.
 
-    0 where they are those of another network: then they fit none.
-
     Raises:
-        WeightsError: If the file is missing or damaged.
+        WeightsError: If the file is missing or damaged, or the weights are of another network.
     """
     tensors, _ = read_tensors(path)
-    return tensors[LOW].numel() if LOW in tensors else 0
+    if LOW not in tensors:
+        raise WeightsError(f"{path} holds the weights of another network: it has no {LOW!r}")
+    return tensors[LOW].numel()
