@@ -49,6 +49,7 @@ ORDER = (
     ("experiments.stages",),
     ("experiments.stages.outputs",),
     ("experiments",),
+    ("experiments.conversion",),
     ("experiments.results",),
     ("cli",),
 )

@@ -9,6 +9,7 @@ from prime_core.checks import check_idm, check_policy
 from prime_policies.idm.config import MlpGmmIdmConfig
 from prime_policies.motor.config import BcRnnConfig
 from prime_policies.primitive_policy.config import PrimePolicyConfig
+from prime_policies.sailor.config import SailorConfig
 
 BRIEF = {"hidden_sizes": (16, 16), "steps_per_epoch": 3, "batch_size": 16}
 
@@ -38,6 +39,21 @@ def test_bc_rnn_keeps_the_contract(pretrain: bool) -> None:
     check_policy(
         BcRnnConfig(
             pretrain=pretrain,
+            hidden=16,
+            epochs=3,
+            pretraining_epochs=2,
+            checkpoints=2,
+            steps_per_epoch=3,
+            batch_size=16,
+        )
+    )
+
+
+def test_sailor_keeps_the_contract() -> None:
+    small = {"hidden": 16, "hidden_sizes": (16,), "distance_hidden_sizes": (8,), "latent": 4}
+    check_policy(
+        SailorConfig(
+            skills={**small, "steps_per_epoch": 3, "batch_size": 16},
             hidden=16,
             epochs=3,
             pretraining_epochs=2,
