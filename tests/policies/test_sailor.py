@@ -13,11 +13,10 @@ from prime_core.learning.scene_features import FeatureEncoder
 from prime_policies.motor.windows import Windows
 from prime_policies.sailor.config import SailorConfig
 from prime_policies.sailor.fitting import load_sailor
-from prime_policies.sailor.latent_examples import LatentExamples
-from prime_policies.sailor.retrieval import Retrieval, nearest
+from prime_policies.sailor.retrieval import Retrieval
 from prime_policies.sailor.settings import SkillSettings
 from prime_policies.sailor.skill_examples import SkillExamples
-from prime_policies.sailor.skill_model import Gaussian, SkillModel
+from prime_policies.sailor.skill_model import SkillModel
 from prime_policies.training.repeatable import first_weights
 from prime_policies.training.weights import read_tensors, write_tensors
 
@@ -153,57 +152,6 @@ def test_what_is_retrieved_is_nearer_than_what_is_not(
     assert actions_apart(found.nearest) < 0.7 * actions_apart(others)
 
 
-def test_the_nearest_are_found_in_order() -> None:
-    generator = torch.Generator().manual_seed(0)
-    targets, candidates = torch.rand(300, 3, generator=generator), torch.rand(40, 3)
-    found = nearest(targets, candidates, 5)
-    expected = (targets[:, None] - candidates).norm(dim=-1).argsort(dim=1)[:, :5]
-    assert torch.equal(found, expected)
-    assert nearest(targets, candidates, 99).shape == (300, 40)
-
-
-def test_examples_of_skills_lie_in_one_episode() -> None:
-    shown = episodes(seed=3, count=3, width=6)
-    own = windows(shown)
-    settings = SkillSettings(steps=5, near=2, far=7)
-    examples = SkillExamples(own, settings)
-    drawn = examples.draws(np.random.default_rng(0), 20_000)
-    batch = examples.batch(drawn)
-    assert batch.features.shape[:2] == batch.later_actions.shape[:2] == (20_000, 5)
-    starts = np.cumsum([0, *(one.steps for one in shown)])
-    # The sixth number of an action tells how far the episode is.
-    episode_steps = torch.tensor([one.steps for one in shown])
-    rows = drawn // 28
-    which = torch.from_numpy(np.searchsorted(starts, rows.numpy(), side="right") - 1)
-    far = 3 * batch.distances / episode_steps[which]
-    torch.testing.assert_close(batch.later_actions[:, 0, 5] - batch.actions[:, 0, 5], far)
-    inside = batch.distances == 7
-    assert 0 < inside.sum() < (batch.distances == 1).sum()
-    assert batch.distances.min() == 0 and batch.distances.max() == 7
-
-
-def test_half_of_each_batch_was_retrieved(shown: list[Demonstration]) -> None:
-    own, prior = windows(shown), windows(episodes(seed=4, count=5))
-    found = Retrieval(
-        shown=torch.arange(float(len(own)))[:, None],
-        rows=torch.tensor([3, 8]),
-        latents=torch.tensor([[-3.0], [-8.0]]),
-        nearest=torch.tensor([[0], [1], [1], [1]]),
-    )
-    generator = np.random.default_rng(0)
-    examples = LatentExamples(own, prior, found, history=10, share=0.5)
-    for drawn in examples.draws(generator, 400).reshape(10, 40):
-        batch = examples.batch(drawn)
-        assert batch.shown.sum() == 20
-        assert batch.features.shape == (40, 10, own.features.shape[1])
-        for seen, is_shown, (latent,) in zip(*batch, strict=True):
-            source = own if is_shown else prior
-            assert torch.equal(seen[-1], source.features[abs(int(latent))])
-    assert set(batch.latents[batch.shown == 0, 0].tolist()) == {-3.0, -8.0}
-    alone = LatentExamples(own, prior, found, history=10, share=0.0)
-    assert alone.batch(alone.draws(generator, 50)).shown.all()
-
-
 def test_a_skill_is_kept_for_its_steps(
     tmp_path: Path, shown: list[Demonstration], rollouts: list[Demonstration]
 ) -> None:
@@ -278,27 +226,12 @@ def test_the_predictors_have_a_rate_of_their_own(
             assert moved > 1e-4, name
 
 
-def test_divergence_is_that_of_torch() -> None:
-    one, other = (Gaussian(*torch.randn(2, 6, 3)) for _ in range(2))
-    ours = [
-        torch.distributions.Normal(item.mean, (item.log_variance / 2).exp())
-        for item in (one, other)
-    ]
-    expected = torch.distributions.kl_divergence(*ours).sum(dim=-1)
-    torch.testing.assert_close(one.divergence(other), expected)
-
-
 def test_it_must_be_pretrained(tmp_path: Path, shown: list[Demonstration]) -> None:
     with pytest.raises(ValidationError, match="sailor learns its skills from the rollouts and"):
         SailorConfig(pretrain=False)
     with pytest.raises(DatasetError, match=r"^sailor learns its skills from rollouts, and was"):
         train(BRIEF, tmp_path, shown)
     assert not list(tmp_path.iterdir())
-
-
-def test_settings_that_cannot_be_are_told() -> None:
-    with pytest.raises(ValidationError, match="near must be far at most; found near 9, far 3"):
-        SkillSettings(near=9, far=3)
 
 
 def test_what_cannot_be_learnt_from_is_told(
