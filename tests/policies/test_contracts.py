@@ -10,6 +10,7 @@ from prime_policies.idm.config import MlpGmmIdmConfig
 from prime_policies.lerobot.config import ActConfig, DiffusionConfig
 from prime_policies.motor.config import BcRnnConfig
 from prime_policies.primitive_policy.config import PrimePolicyConfig
+from prime_policies.sailor.config import SailorConfig
 
 BRIEF = {"hidden_sizes": (16, 16), "steps_per_epoch": 3, "batch_size": 16}
 
@@ -77,6 +78,21 @@ def test_diffusion_of_lerobot_keeps_the_contract(more: dict[str, object]) -> Non
     plans = {"horizon": 8, "n_action_steps": 4, "down_dims": (8, 16), "n_groups": 4}
     noise = {"num_train_timesteps": 20, "num_inference_steps": 5}
     check_policy(DiffusionConfig(**SHORT, **plans, **noise | more))
+
+
+def test_sailor_keeps_the_contract() -> None:
+    small = {"hidden": 16, "hidden_sizes": (16,), "distance_hidden_sizes": (8,), "latent": 4}
+    check_policy(
+        SailorConfig(
+            skills={**small, "steps_per_epoch": 3, "batch_size": 16},
+            hidden=16,
+            epochs=3,
+            pretraining_epochs=2,
+            checkpoints=2,
+            steps_per_epoch=3,
+            batch_size=16,
+        )
+    )
 
 
 def test_settings_are_made_without_torch() -> None:

@@ -6,21 +6,16 @@ from pathlib import Path
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.training import ModelContext, TrainingContext
-from prime_core.errors import DatasetError
-from prime_core.learning.model_card import Card, check_card, fingerprint, make_card, write_card
+from prime_core.learning.model_card import Card, check_card, fingerprint, make_card
 from prime_core.learning.scene_features import FeatureEncoder
+from prime_policies.motor.checkpoints import NAME, actions_of, train_checkpoints
 from prime_policies.motor.scaling import Scaling
 from prime_policies.motor.settings import MotorTrainingSettings
-from prime_policies.motor.windows import Windows
+from prime_policies.motor.windows import Windows, common_width
 from prime_policies.networks.network import Network
 from prime_policies.training.loop import Trainer
 from prime_policies.training.repeatable import first_weights
-from prime_policies.training.weights import load_weights, read_tensors
-
-NAME = "policy"
-"""Of the training, and of the files of weights."""
-LOW = "scaling.low"
-"""The weights that are as many as an action has numbers."""
+from prime_policies.training.weights import load_weights
 
 
 class MotorNetwork(Network):
@@ -80,34 +75,20 @@ def fit_network(
     """
     settings, encoder = design.settings, FeatureEncoder(context.description)
     shown = design.windows(demonstrations, encoder, "the demonstrations")
-    parts = [shown]
+    prior = None
     if rollouts is not None:
-        parts.insert(0, design.windows(rollouts, encoder, "the rollouts"))
-    widths = [part.actions.shape[1] for part in parts]
-    if len(set(widths)) > 1:
-        raise DatasetError(
-            f"actions of the rollouts have {widths[0]} numbers, those of the demonstrations "
-            f"{widths[1]}: pretraining needs as many"
-        )
+        prior = design.windows(rollouts, encoder, "the rollouts")
+    parts = [shown] if prior is None else [prior, shown]
     with first_weights(context.seed, NAME):
-        network = design.build(encoder.width, widths[0])
+        network = design.build(encoder.width, common_width(prior, shown))
     network.scaling.measure([part.features for part in parts], [part.actions for part in parts])
     card = design.card(context)
     identity = fingerprint({**card, "data": [part.digest for part in parts]}, context.seed, [])
-    before = settings.pretraining_epochs if rollouts is not None else 0
+    before = settings.pretraining_epochs if prior is not None else 0
     trainer = Trainer(context, identity, before + settings.epochs)
-    if before:
-        trainer.train(f"{NAME}.pretrained", network, parts[0], settings, before)
-    numbers = {epoch: number for number, epoch in enumerate(settings.kept_epochs, start=1)}
-    folders = {epoch: context.folder / f"checkpoint_{n:02d}" for epoch, n in numbers.items()}
-
-    def keep(epoch: int) -> None:
-        if epoch in folders:
-            trainer.write(folders[epoch] / f"{NAME}.safetensors", network.state_dict())
-            write_card(folders[epoch], card)  # with it the checkpoint is complete
-
-    trainer.train(NAME, network, shown, settings, settings.epochs, keep)
-    return [*folders.values()]
+    if prior is not None:
+        trainer.train(f"{NAME}.pretrained", network, prior, settings, before)
+    return train_checkpoints(trainer, network, shown, settings, card)
 
 
 def load_network[AnyNetwork: MotorNetwork](
@@ -120,10 +101,7 @@ def load_network[AnyNetwork: MotorNetwork](
     """
     check_card(folder, design.card(context))
     path = folder / f"{NAME}.safetensors"
-    tensors, _ = read_tensors(path)
     encoder = FeatureEncoder(context.description)
-    # Weights of another network may have none: then they fit none.
-    actions = tensors[LOW].numel() if LOW in tensors else 0
-    network = design.build(encoder.width, actions)
+    network = design.build(encoder.width, actions_of(path))
     load_weights(network, path)
     return network, encoder

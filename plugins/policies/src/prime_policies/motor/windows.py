@@ -89,6 +89,10 @@ class Windows:
         inside = rows.clamp(self._starts[chosen][:, None], self._ends[chosen][:, None])
         return WindowBatch(self.features[inside], self.actions[inside], inside != rows)
 
+    def ends(self, chosen: Tensor) -> Tensor:
+        """Return the last step of the episode of each of some steps."""
+        return self._ends[chosen]
+
     @property
     def digest(self) -> str:
         """What tells them apart from others."""
@@ -97,3 +101,18 @@ class Windows:
             total.update(repr((part.shape, part.dtype)).encode())
             total.update(part.numpy().data)
         return total.hexdigest()
+
+
+def common_width(rollouts: Windows | None, demonstrations: Windows) -> int:
+    """Return how many numbers an action has, in rollouts as in demonstrations.
+
+    Raises:
+        DatasetError: If they are not as many.
+    """
+    shown = demonstrations.actions.shape[1]
+    if rollouts is not None and rollouts.actions.shape[1] != shown:
+        raise DatasetError(
+            f"actions of the rollouts have {rollouts.actions.shape[1]} numbers, those of the "
+            f"demonstrations {shown}: pretraining needs as many"
+        )
+    return shown
