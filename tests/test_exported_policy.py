@@ -1,0 +1,154 @@
+"""Exported policies on real physics: they act as in trials, where no simulator is installed too."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from prime_core.contracts.observations import IMAGE_PREFIX, Observations
+from prime_core.deployment.exported_models import ExportedModels
+from prime_core.deployment.policy_runner import PolicyRunner
+from prime_core.execution.trial import run_trial
+from prime_core.execution.world import World
+from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.reading import dump_experiment, read_experiment
+from prime_core.experiments.results.policy_export import Choice, export_policy
+
+from .test_images import SETTINGS
+from .test_pipeline import QUICK
+
+STEPS = 70
+MOTOR = "policies.motor={type: bc-rnn, hidden: 8, epochs: 2, steps_per_epoch: 5}"
+
+
+def trained(out: Path, *settings: str) -> Experiment:
+    """Return an experiment whose policies are trained, and no more, in this process."""
+    config = read_experiment(QUICK, [*SETTINGS, MOTOR, "compute.workers=0", *settings])
+    experiment = Experiment(config, out)
+    for evaluation in experiment.evaluations.values():
+        evaluation.training.results()
+    (out / "experiment.yaml").write_text(dump_experiment(config))
+    return experiment
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("run")
+
+
+@pytest.fixture(scope="module")
+def images(out: Path) -> Experiment:
+    """Return an experiment whose models see object poses through a perception."""
+    return trained(out)
+
+
+@pytest.fixture(scope="module")
+def states(out: Path, images: Experiment) -> Experiment:
+    """Return the same one but for its policies, which see the simulator's object poses."""
+    return trained(out, "perceived_by=[idm]")
+
+
+def seen_by(runner: PolicyRunner, world: World, observation: dict[str, Any]) -> dict[str, Any]:
+    """Return what a robot's cameras add to an observation."""
+    cameras = runner.models.manifest.cameras
+    if not any(key.startswith(IMAGE_PREFIX) for key in runner.keys) or cameras is None:
+        return observation
+    size = cameras.size
+    instant = Observations.single(observation)
+    pictures = world.environment.pictures(instant, cameras.cameras, size, size)
+    shown = {IMAGE_PREFIX + name: each[0] for name, each in pictures.items()}
+    return {"observation.state": observation["observation.state"], **shown}
+
+
+@pytest.mark.parametrize("sees", ["states", "images"])
+@pytest.mark.parametrize("policy", ["prime", "motor"])
+def test_it_acts_as_in_a_trial(
+    policy: str, sees: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    experiment: Experiment = request.getfixturevalue(sees)
+    (experiment.folder / "experiment.yaml").write_text(dump_experiment(experiment.config))
+    export_policy(experiment.folder, Choice(policy), tmp_path / "exported")
+    training = experiment.evaluations[policy].training
+    world = training.build_world()
+    usual = training.load(training.checkpoints("1")[-1], world, experiment.config.evaluation.runner)
+    environment, expected, found = world.environment, [], []
+    trial = run_trial(
+        environment,
+        world.primitives,
+        usual,
+        np.random.default_rng(7),
+        STEPS,
+        on_step=lambda _: expected.append(environment.get_state()),
+    )
+
+    runner = PolicyRunner.load(tmp_path / "exported")
+    generator, solved = np.random.default_rng(7), False
+    observation, _ = environment.reset(seed=int(generator.integers(2**31)))
+    runner.reset(generator)
+    while len(found) < STEPS and not solved:
+        action = runner.act(seen_by(runner, world, observation))
+        assert action is not None
+        assert action.shape == (5,)
+        assert action.dtype == np.float64
+        observation, _, solved, _, _ = environment.step(action)
+        found.append(environment.get_state())
+    assert np.array_equal(found, expected)
+    assert (solved, runner.steps) == (trial.success, trial.steps)
+    assert [record.primitive for record in runner.trace] == [each.primitive for each in trial.calls]
+    for record, call in zip(runner.trace, trial.calls, strict=True):
+        assert [*record.parameters.values()] == call.parameters.tolist()
+    assert (policy == "motor") == (not runner.trace)
+
+
+WITHOUT = """
+import sys
+for name in {absent}:
+    sys.modules[name] = None  # as if it were not installed
+import numpy as np
+from prime_core import ExportedModels, Observations, PolicyRunner
+seen = dict(np.load({seen!r}))
+{body}
+assert not set({absent}) & {{name for name, module in sys.modules.items() if module}}
+print("RESULT", *result)
+"""
+ACT = "runner = PolicyRunner.load({folder!r})\nrunner.reset(3)\nresult = runner.act(seen)"
+SCORE = """
+idm = ExportedModels.open({folder!r}).idm()
+both = Observations.join([Observations.single(seen)] * 2)
+result = idm.score(idm.encode(both.only(idm.sees)), np.array([[0, 1]]))[0]
+"""
+
+
+@pytest.mark.parametrize(
+    ("policy", "absent", "body"),
+    [
+        ("prime", ["robosuite"], ACT),
+        ("motor", ["robosuite", "mujoco", "mink"], ACT),
+        ("prime", ["robosuite", "mujoco", "mink"], SCORE),
+    ],
+)
+def test_it_needs_no_simulator(
+    policy: str, absent: list[str], body: str, images: Experiment, tmp_path: Path
+) -> None:
+    (images.folder / "experiment.yaml").write_text(dump_experiment(images.config))
+    folder, file = tmp_path / "exported", tmp_path / "seen.npz"
+    export_policy(images.folder, Choice(policy), folder)
+    runner, world = PolicyRunner.load(folder), images.collection.build_world()
+    seen = seen_by(runner, world, world.environment.reset(seed=3)[0])
+    np.savez(file, **seen)
+    here: dict[str, Any] = {"seen": seen, "PolicyRunner": PolicyRunner, "np": np}
+    here |= {"ExportedModels": ExportedModels, "Observations": Observations}
+    filled = body.format(folder=str(folder))
+    exec(filled, here)
+    code = WITHOUT.format(absent=absent, seen=str(file), body=filled)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    numbers = done.stdout.split("RESULT", 1)[1].split()
+    assert [float(number) for number in numbers] == [float(number) for number in here["result"]]
+
+
+def test_learned_primitives_come_along(states: Experiment, tmp_path: Path) -> None:
+    pass
