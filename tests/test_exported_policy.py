@@ -1,5 +1,6 @@
 """Exported policies on real physics: they act as in trials, where no simulator is installed too."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -20,6 +21,7 @@ from prime_core.experiments.results.policy_export import Choice, export_policy
 from .test_images import SETTINGS
 from .test_pipeline import QUICK
 
+LOOP = Path(__file__).parents[1] / "docs" / "examples" / "robot_loop.py"
 STEPS = 70
 MOTOR = "policies.motor={type: bc-rnn, hidden: 8, epochs: 2, steps_per_epoch: 5}"
 
@@ -114,11 +116,11 @@ seen = dict(np.load({seen!r}))
 assert not set({absent}) & {{name for name, module in sys.modules.items() if module}}
 print("RESULT", *result)
 """
-ACT = "runner = PolicyRunner.load({folder!r})\nrunner.reset(3)\nresult = runner.act(seen)"
+ACT = "runner = PolicyRunner.load({folder!r})\nrunner.reset(3)\nresult = runner.act(seen).tolist()"
 SCORE = """
 idm = ExportedModels.open({folder!r}).idm()
 both = Observations.join([Observations.single(seen)] * 2)
-result = idm.score(idm.encode(both.only(idm.sees)), np.array([[0, 1]]))[0]
+result = idm.score(idm.encode(both.only(idm.sees)), np.array([[0, 1]]))[0].tolist()
 """
 
 
@@ -147,8 +149,60 @@ def test_it_needs_no_simulator(
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     numbers = done.stdout.split("RESULT", 1)[1].split()
-    assert [float(number) for number in numbers] == [float(number) for number in here["result"]]
+    assert [float(number) for number in numbers] == here["result"]
 
 
-def test_learned_primitives_come_along(states: Experiment, tmp_path: Path) -> None:
-    pass
+@pytest.mark.slow
+def test_a_loop_moves_a_robot_behind_lerobots_interface(images: Experiment, tmp_path: Path) -> None:
+    (images.folder / "experiment.yaml").write_text(dump_experiment(images.config))
+    export_policy(images.folder, Choice("prime"), tmp_path / "exported")
+    command = [sys.executable, str(LOOP), str(tmp_path / "exported"), "--episodes", "2"]
+    options = ["--limit", "20", "--missing", "0.3", "--jitter", "0.005"]
+    done = subprocess.run([*command, *options], capture_output=True, text=True, timeout=500)
+    assert done.returncode == 0, done.stderr
+    for number in (0, 1):
+        told = re.search(
+            rf"episode {number}: not solved after 20 actions, (\d+) ticks", done.stdout
+        )
+        assert told is not None, done.stdout
+        assert 0 < int(told[1]) < 40
+    assert done.stdout.count("  steps 0 to ") == 2
+    assert "0 of 2 solved\nacting: median" in done.stdout
+
+
+@pytest.mark.slow
+def test_the_simulated_robot_is_what_it_says(
+    images: Experiment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(LOOP.parent))
+    from simulated_robot import SimulatedRobot, SimulatedRobotConfig
+
+    world = images.collection.build_world()
+    settings = {"environment": images.demonstrations.environment, "views": ("wrist",), "size": 32}
+    common = {**settings, "description": world.description, "calibration_dir": tmp_path}
+    robot = SimulatedRobot(SimulatedRobotConfig(**common))
+    robot.connect()
+    robot.begin(3)
+    seen = robot.get_observation()
+    features = robot.observation_features
+    assert set(seen) == set(features)
+    assert {name for name in seen if features[name] is not float} == {"wrist"}
+    assert seen["wrist"].shape == features["wrist"] == (32, 32, 3)
+    observation, _ = world.environment.reset(seed=3)
+    there = np.array([seen[name] for name in world.description.environment_state_names])
+    np.testing.assert_allclose(there, observation["observation.environment_state"], atol=0.01)
+    before = seen["gripper.z"]
+    for _ in range(20):
+        robot.send_action(dict.fromkeys(robot.action_features, 0.0) | {"dz": 0.02, "gripper": -1.0})
+        seen = robot.get_observation()
+    assert seen["gripper.z"] > before + 0.1
+    assert robot.is_connected
+    robot.disconnect()
+    assert not robot.is_connected
+
+    blind = SimulatedRobot(SimulatedRobotConfig(**common, missing=1.0))
+    blind.connect()
+    blind.begin(3)
+    with pytest.raises(TimeoutError, match="the frame is missing"):
+        blind.get_observation()
+    blind.disconnect()
