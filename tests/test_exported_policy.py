@@ -19,7 +19,7 @@ from prime_core.experiments.reading import dump_experiment, read_experiment
 from prime_core.experiments.results.policy_export import Choice, export_policy
 
 from .test_images import SETTINGS
-from .test_pipeline import QUICK
+from .test_pipeline import QUICK, TINY
 
 LOOP = Path(__file__).parents[1] / "docs" / "examples" / "robot_loop.py"
 STEPS = 70
@@ -28,7 +28,7 @@ MOTOR = "policies.motor={type: bc-rnn, hidden: 8, epochs: 2, steps_per_epoch: 5}
 
 def trained(out: Path, *settings: str) -> Experiment:
     """Return an experiment whose policies are trained, and no more, in this process."""
-    config = read_experiment(QUICK, [*SETTINGS, MOTOR, "compute.workers=0", *settings])
+    config = read_experiment(QUICK, [*settings, MOTOR, "compute.workers=0"])
     experiment = Experiment(config, out)
     for evaluation in experiment.evaluations.values():
         evaluation.training.results()
@@ -37,20 +37,15 @@ def trained(out: Path, *settings: str) -> Experiment:
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("run")
+def states(tmp_path_factory: pytest.TempPathFactory) -> Experiment:
+    """Return an experiment whose policies see the simulator's object poses."""
+    return trained(tmp_path_factory.mktemp("states"), *TINY)
 
 
 @pytest.fixture(scope="module")
-def images(out: Path) -> Experiment:
+def images(tmp_path_factory: pytest.TempPathFactory) -> Experiment:
     """Return an experiment whose models see object poses through a perception."""
-    return trained(out)
-
-
-@pytest.fixture(scope="module")
-def states(out: Path, images: Experiment) -> Experiment:
-    """Return the same one but for its policies, which see the simulator's object poses."""
-    return trained(out, "perceived_by=[idm]")
+    return trained(tmp_path_factory.mktemp("images"), *SETTINGS)
 
 
 def seen_by(runner: PolicyRunner, world: World, observation: dict[str, Any]) -> dict[str, Any]:
@@ -65,13 +60,12 @@ def seen_by(runner: PolicyRunner, world: World, observation: dict[str, Any]) -> 
     return {"observation.state": observation["observation.state"], **shown}
 
 
-@pytest.mark.parametrize("sees", ["states", "images"])
+@pytest.mark.parametrize("sees", ["states", pytest.param("images", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("policy", ["prime", "motor"])
 def test_it_acts_as_in_a_trial(
     policy: str, sees: str, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     experiment: Experiment = request.getfixturevalue(sees)
-    (experiment.folder / "experiment.yaml").write_text(dump_experiment(experiment.config))
     export_policy(experiment.folder, Choice(policy), tmp_path / "exported")
     training = experiment.evaluations[policy].training
     world = training.build_world()
@@ -124,18 +118,18 @@ result = idm.score(idm.encode(both.only(idm.sees)), np.array([[0, 1]]))[0].tolis
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("policy", "absent", "body"),
     [
-        ("prime", ["robosuite"], ACT),
-        ("motor", ["robosuite", "mujoco", "mink"], ACT),
-        ("prime", ["robosuite", "mujoco", "mink"], SCORE),
+        pytest.param("prime", ["robosuite"], ACT, id="policy over primitives"),
+        pytest.param("motor", ["robosuite", "mujoco", "mink"], ACT, id="policy over motor actions"),
+        pytest.param("prime", ["robosuite", "mujoco", "mink"], SCORE, id="IDM"),
     ],
 )
 def test_it_needs_no_simulator(
     policy: str, absent: list[str], body: str, images: Experiment, tmp_path: Path
 ) -> None:
-    (images.folder / "experiment.yaml").write_text(dump_experiment(images.config))
     folder, file = tmp_path / "exported", tmp_path / "seen.npz"
     export_policy(images.folder, Choice(policy), folder)
     runner, world = PolicyRunner.load(folder), images.collection.build_world()
@@ -154,7 +148,6 @@ def test_it_needs_no_simulator(
 
 @pytest.mark.slow
 def test_a_loop_moves_a_robot_behind_lerobots_interface(images: Experiment, tmp_path: Path) -> None:
-    (images.folder / "experiment.yaml").write_text(dump_experiment(images.config))
     export_policy(images.folder, Choice("prime"), tmp_path / "exported")
     command = [sys.executable, str(LOOP), str(tmp_path / "exported"), "--episodes", "2"]
     options = ["--limit", "20", "--missing", "0.3", "--jitter", "0.005"]
@@ -165,7 +158,7 @@ def test_a_loop_moves_a_robot_behind_lerobots_interface(images: Experiment, tmp_
             rf"episode {number}: not solved after 20 actions, (\d+) ticks", done.stdout
         )
         assert told is not None, done.stdout
-        assert 0 < int(told[1]) < 40
+        assert int(told[1]) > 0
     assert done.stdout.count("  steps 0 to ") == 2
     assert "0 of 2 solved\nacting: median" in done.stdout
 

@@ -98,8 +98,8 @@ def named_action(action: np.ndarray[Any, Any]) -> dict[str, float]:
     return dict(zip(ACTION_NAMES, action.tolist(), strict=True))
 
 
-def simulated(runner: PolicyRunner, jitter: float, missing: float) -> SimulatedRobot:
-    """Return the robot that the policy was trained for, simulated."""
+def simulated(runner: PolicyRunner, **troubles: Any) -> SimulatedRobot:
+    """Return the robot that the policy was trained for, simulated, with jitter and the like."""
     manifest = runner.models.manifest
     views = tuple(key.removeprefix(IMAGES) for key in runner.keys if key.startswith(IMAGES))
     config = SimulatedRobotConfig(
@@ -109,8 +109,7 @@ def simulated(runner: PolicyRunner, jitter: float, missing: float) -> SimulatedR
         views=views,
         size=84 if manifest.cameras is None else manifest.cameras.size,
         rate=runner.rate,
-        jitter=jitter,
-        missing=missing,
+        **troubles,
     )
     return SimulatedRobot(config)
 
@@ -123,10 +122,12 @@ def main() -> None:
     parser.add_argument("--limit", type=int, help="Actions of an episode; the run's if not given.")
     parser.add_argument("--jitter", type=float, default=0.01, help="Of a frame, in seconds.")
     parser.add_argument("--missing", type=float, default=0.1, help="Share of the frames.")
+    parser.add_argument("--delay", type=int, default=0, help="Of an action, in ticks.")
     options = parser.parse_args()
     runner = PolicyRunner.load(options.folder)
     limit = options.limit or runner.models.manifest.origin.maximum_steps
-    robot = simulated(runner, options.jitter, options.missing)
+    troubles = {"jitter": options.jitter, "missing": options.missing, "delay": options.delay}
+    robot = simulated(runner, **troubles)
     robot.connect()
     episodes = []
     try:

@@ -7,6 +7,7 @@ late by up to a jitter, and some never come. A tick without an action holds stil
 import multiprocessing
 import tempfile
 import time
+from collections import deque
 from dataclasses import dataclass, field
 from functools import cached_property
 from multiprocessing.connection import Connection
@@ -37,6 +38,7 @@ class SimulatedRobotConfig(RobotConfig):
         rate: Ticks a second [Hz]: an action, a frame.
         jitter: By which a frame is late at most [s].
         missing: Share of the frames that never come.
+        delay: Ticks by which each action is late.
         seed: Of jitter and missing frames.
     """
 
@@ -47,6 +49,7 @@ class SimulatedRobotConfig(RobotConfig):
     rate: int = 20
     jitter: float = 0.0
     missing: float = 0.0
+    delay: int = 0
     seed: int = 0
     calibration_dir: Path | None = field(default_factory=lambda: Path(tempfile.mkdtemp()))
 
@@ -145,21 +148,25 @@ class SimulatedRobot(Robot):
 def _simulate(config: SimulatedRobotConfig, pipe: Connection) -> None:
     """Step the environment in real time until the other end is closed."""
     environment = read_settings(EnvironmentConfig, config.environment).build()
-    generator = np.random.default_rng(config.seed)
-    still, solved = np.zeros(5), False
-    observation, tick = None, time.perf_counter()
+    generator, observation = np.random.default_rng(config.seed), None
+    tick = time.perf_counter()
     try:
         while True:
-            action = still
+            came = None
             while pipe.poll(None if observation is None else 0):
                 command = pipe.recv()
                 if isinstance(command, int):
                     observation, _ = environment.reset(seed=command)
-                    still, solved = np.array([0.0, 0.0, 0.0, 0.0, -1.0]), False
-                    action = still
+                    came, solved, gripper = None, False, -1.0
+                    under_way: deque[Any] = deque([None] * config.delay)
                     pipe.send(None)
                 else:
-                    action, still = command, np.array([0.0, 0.0, 0.0, 0.0, command[4]])
+                    came = command
+            under_way.append(came)
+            action = under_way.popleft()
+            if action is None:
+                action = np.array([0.0, 0.0, 0.0, 0.0, gripper])  # hold still
+            gripper = action[4]
             observation, _, now_solved, _, _ = environment.step(action)
             solved = solved or bool(now_solved)
             late = generator.uniform(0.0, config.jitter)
@@ -168,7 +175,8 @@ def _simulate(config: SimulatedRobotConfig, pipe: Connection) -> None:
             time.sleep(late)
             if generator.random() >= config.missing:
                 pipe.send((begun, solved, values))
-            tick = max(tick + 1 / config.rate, begun)  # where it cannot keep up, it is slower
+            # Where it cannot keep up, it is slower: each frame has its whole tick.
+            tick = max(tick, begun - 1 / config.rate) + 1 / config.rate
             time.sleep(max(0.0, tick - time.perf_counter()))
     except (EOFError, OSError):
         return
