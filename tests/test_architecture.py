@@ -50,6 +50,7 @@ ORDER = (
     ("experiments.stages",),
     ("experiments.stages.outputs",),
     ("experiments",),
+    ("experiments.conversion",),
     ("experiments.results",),
     ("cli",),
 )

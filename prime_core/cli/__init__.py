@@ -14,6 +14,7 @@ from typing import Any, TextIO
 import typer
 
 from prime_core.cli.compare import compare
+from prime_core.cli.convert import convert
 from prime_core.cli.export_policy import export_policy
 from prime_core.cli.learn_primitives import learn_primitives
 from prime_core.cli.options import OWN_COMMANDS
@@ -28,7 +29,8 @@ from prime_core.experiments.run_folder.place import place_error
 
 INTERRUPTED = 130
 KEPT = dict.fromkeys(
-    (run, learn_primitives), "; what is finished is kept, and the same command goes on from there"
+    (run, convert, learn_primitives),
+    "; what is finished is kept, and the same command goes on from there",
 )
 """What is told of commands that are interrupted."""
 
@@ -45,6 +47,7 @@ def build_app(stream: TextIO) -> typer.Typer:
         show,
         validate,
         parse,
+        convert,
         learn_primitives,
         export_policy,
         compare,

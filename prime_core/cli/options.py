@@ -39,6 +39,7 @@ OWN_COMMANDS = (
     "show",
     "validate",
     "parse",
+    "convert",
     "learn-primitives",
     "export-policy",
     "compare",

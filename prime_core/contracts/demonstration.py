@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.configuration import Config
+from prime_core.configuration import Config, ConfigDump
 from prime_core.contracts.calls import OTHER, PrimitiveCall
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
@@ -71,6 +71,17 @@ class DemonstratorConfig(Config):
     def reads(cls, source: Path) -> bool:
         """Whether ``{type: ..., path: SOURCE}`` are settings that read a file or folder."""
         return False
+
+    def recorded_environment(self) -> ConfigDump | None:
+        """Return the environment that a recording says it is of, as plain data with its ``type``.
+
+        Returns:
+            None where it does not say.
+
+        Raises:
+            DatasetError: If it cannot be read, or names one that is not known.
+        """
+        return None
 
     @abstractmethod
     def count_available(self) -> int:

@@ -6,11 +6,11 @@ from typing import Annotated
 
 from pydantic import Field
 
-from prime_core.configuration import GREATEST_COUNT, LocalPath
+from prime_core.configuration import GREATEST_COUNT, ConfigDump, LocalPath
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import EnvironmentConfig
-from prime_core.datasets.read import count_episodes, read_demonstrations
+from prime_core.datasets.read import count_episodes, read_demonstrations, read_environment
 from prime_core.errors import DemonstrationError
 
 Index = Annotated[int, Field(ge=0, lt=GREATEST_COUNT)]
@@ -34,6 +34,10 @@ class LeRobotDemonstratorConfig(RecordedDemonstratorConfig):
     def reads(cls, source: Path) -> bool:
         """Whether it looks like one: packs may read other folders."""
         return (source / "meta").is_dir()
+
+    def recorded_environment(self) -> ConfigDump | None:
+        """Return the environment that is kept in the data set, if it is one of prime's."""
+        return read_environment(self.path)
 
     def count_available(self) -> int:
         """How many demonstrations it gives."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.environment import ACTION_NAMES
+from prime_core.contracts.environment import ACTION_NAMES, CONTROL_FREQUENCY
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, IMAGE_PREFIX, STATE_KEY
 
 CODEBASE_VERSION = "v3.0"
@@ -68,6 +68,18 @@ VIDEO_FILE_MEGABYTES = 200
 """Size at which LeRobot begins another video file."""
 
 
+ENCODER = "libsvtav1"
+"""LeRobot's of videos."""
+
+
+ENCODER_OPTIONS = {"g": 2, "crf": 30, "preset": 12}
+"""LeRobot's: one of so many frames stands alone, quality (0 is best), speed."""
+
+
+PIXEL_FORMAT = "yuv420p"
+"""LeRobot's; it halves the resolution of colour."""
+
+
 BOOKKEEPING = {
     "timestamp": "float32",
     "frame_index": "int64",
@@ -85,12 +97,14 @@ class Contents:
     Attributes:
         simulator_state_width: Length of the simulator states; 0 where there are none.
         images: Height, width and 3, by camera.
+        videos: Whether images are frames of videos.
         segments: Whether the demonstrations are parsed.
         motion_rows: Whether the segments are also given in LeRobot's own way.
     """
 
     simulator_state_width: int = 0
     images: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    videos: bool = False
     segments: bool = False
     motion_rows: bool = False
 
@@ -109,12 +123,24 @@ def features_of(description: SceneDescription, contents: Contents) -> dict[str, 
     result = {key: feature for key, feature in result.items() if feature["shape"] != [0]}
     for name, shape in contents.images.items():
         sides = ["height", "width", "channels"]
-        result[IMAGE_PREFIX + name] = {"dtype": "image", "shape": [*shape], "names": sides}
+        kind = "video" if contents.videos else "image"
+        result[IMAGE_PREFIX + name] = {"dtype": kind, "shape": [*shape], "names": sides}
+        if contents.videos:
+            result[IMAGE_PREFIX + name]["info"] = video_info(*shape[:2])
     if contents.segments:
         result[PRIMITIVE_INDEX_KEY] = _feature("int64", 1)
     if contents.motion_rows:
         result[MOTION_KEY] = _feature("language", 1)
     return result | {key: _feature(kind, 1) for key, kind in BOOKKEEPING.items()}
+
+
+def video_info(height: int, width: int) -> dict[str, Any]:
+    """Return what LeRobot notes of a video, with the settings that it encodes by."""
+    info: dict[str, Any] = {"height": height, "width": width, "codec": "av1"}
+    info |= {"pix_fmt": PIXEL_FORMAT, "fps": CONTROL_FREQUENCY, "channels": 3}
+    info |= {**ENCODER_OPTIONS, "fast_decode": 0, "extra_options": {}, "video_backend": "pyav"}
+    named = {f"video.{name}": value for name, value in info.items()}
+    return {**named, "has_audio": False, "is_depth_map": False}
 
 
 def _feature(kind: str, width: int, names: list[str] | None = None) -> dict[str, Any]:

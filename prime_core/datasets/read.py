@@ -136,6 +136,16 @@ def count_episodes(folder: Path | str) -> int:
     return int(read_header(Path(folder), None).info["total_episodes"])
 
 
+def read_environment(folder: Path | str) -> ConfigDump | None:
+    """Return the settings of the environment that a data set comes from, None if it keeps none.
+
+    Raises:
+        DatasetError: If it is broken, or no LeRobot v3 data set.
+    """
+    found: ConfigDump | None = _read_prime_file(read_header(Path(folder), None)).get("environment")
+    return found
+
+
 def _read_prime_file(header: Header) -> dict[str, Any]:
     path = header.folder / layout.PRIME_FILE
     if not path.is_file():

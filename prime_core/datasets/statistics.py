@@ -1,6 +1,6 @@
 """The statistics that LeRobot keeps of each feature, per episode and over all."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,10 +41,31 @@ def statistics_of(values: NDArray[Any]) -> Statistics:
     return result
 
 
-def sampled_frames(count: int) -> Indices:
-    """Return which of an episode's images LeRobot looks at, of so many."""
-    size = max(min(count, 100), min(int(count**0.75), 10_000))
-    return np.round(np.linspace(0, count - 1, size)).astype(np.int64)
+class PixelCounts:
+    """How many pixels of an episode's images have each value; LeRobot looks at some images only.
+
+    Args:
+        count: How many images there are.
+    """
+
+    def __init__(self, count: int) -> None:
+        size = max(min(count, 100), min(int(count**0.75), 10_000))
+        self._sample = np.round(np.linspace(0, count - 1, size)).astype(np.int64)
+        self._count, self._counts = count, np.zeros((3, 256), dtype=np.int64)
+
+    def batches(self, most: int) -> Iterator[Indices]:
+        """Yield the rows of all images, so many at a time."""
+        for start in range(0, self._count, most):
+            yield np.arange(start, min(start + most, self._count))
+
+    def add(self, rows: Indices, images: NDArray[np.uint8]) -> None:
+        """Look at images ``(n, H, W, 3)`` of some rows."""
+        shown = images[np.isin(rows, self._sample)]
+        self._counts += [np.bincount(shown[..., each].ravel(), minlength=256) for each in range(3)]
+
+    def statistics(self) -> Statistics:
+        """Return the statistics, each channel's in [0, 1]."""
+        return statistics_of_images(self._counts, len(self._sample))
 
 
 def statistics_of_images(counts: NDArray[np.int64], images: int) -> Statistics:

@@ -1,5 +1,11 @@
-"""Images of one camera and episode as frames of a video, which LeRobot joins of many episodes."""
+"""Images of one camera and episode as frames of a video.
 
+LeRobot joins the videos of many episodes; what is written here has a file for each.
+"""
+
+import os
+import shutil
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -8,13 +14,85 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.arrays import Floats, Indices
+from prime_core.contracts.images import ChosenImages, Images
 from prime_core.datasets import layout
 from prime_core.datasets.episodes import CLOCK_TOLERANCE, EpisodeEntry, file_in
 from prime_core.datasets.header import Camera, Header
 from prime_core.datasets.parquet_reader import numbers, read_table, whole_numbers
-from prime_core.errors import DatasetError, DemonstrationError
+from prime_core.datasets.statistics import PixelCounts, Statistics
+from prime_core.errors import DatasetError, DemonstrationError, PrimeError
 
 LONGEST = 1e7  # [s], four months: what is later is no time in a video
+AT_ONCE = 64  # images in memory while they are encoded
+
+
+def check_sizes(images: Mapping[str, tuple[int, ...]]) -> None:
+    """Check that images can be frames of videos.
+
+    Args:
+        images: Their shapes by camera, ``(H, W, 3)``.
+
+    Raises:
+        DatasetError: If a height or width is odd.
+    """
+    for name, (height, width, *_) in images.items():
+        if height % 2 or width % 2:
+            raise DatasetError(
+                f"images of camera {name!r} are {height} x {width} pixels; both must be even in "
+                "videos, which halve the resolution of colour: choose another size, or PNG"
+            )
+
+
+def write_frames(path: Path, images: Images, fps: int) -> Statistics:
+    """Write an episode's images as a video, encoded as LeRobot does by default.
+
+    Args:
+        path: Of the file; its folder is made if need be.
+        images: ``(N, H, W, 3)``, read a few at a time. A video that holds them alone is copied.
+        fps: Frames a second.
+
+    Returns:
+        Their statistics, before they are encoded; of a video that is copied, as it shows them.
+
+    Raises:
+        PrimeError: If there is no such encoder.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    source = images.whole if isinstance(images, ChosenImages) else images
+    counts = PixelCounts(images.shape[0])
+    own = source.own_file() if isinstance(source, VideoImages) else None
+    if own is not None:
+        shutil.copyfile(own, path)
+        for rows in counts.batches(AT_ONCE):
+            counts.add(rows, np.asarray(images[rows]))
+    else:
+        _encode(path, images, counts, fps)
+    return counts.statistics()
+
+
+def _encode(path: Path, images: Images, counts: PixelCounts, fps: int) -> None:
+    import av
+
+    if layout.ENCODER not in av.codecs_available:
+        raise PrimeError(
+            f"this PyAV was built without the encoder {layout.ENCODER}: pip install av"
+        )
+    os.environ.setdefault("SVT_LOG", "1")  # else the encoder prints its settings
+    options = {name: str(value) for name, value in layout.ENCODER_OPTIONS.items()}
+    # One thread: workers are as many as there are cores.
+    options["svtav1-params"] = "fast-decode=0:lp=1"
+    with av.open(str(path), "w") as container:
+        # Of this encoder it is a stream of pictures; type checkers do not know.
+        stream: Any = container.add_stream(layout.ENCODER, rate=fps, options=options)
+        stream.pix_fmt = layout.PIXEL_FORMAT
+        stream.height, stream.width = images.shape[1:3]
+        for rows in counts.batches(AT_ONCE):
+            batch = np.asarray(images[rows])
+            counts.add(rows, batch)
+            for image in batch:
+                frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), format="rgb24")
+                container.mux(stream.encode(frame))
+        container.mux(stream.encode())
 
 
 class VideoImages:
@@ -40,10 +118,7 @@ class VideoImages:
         Raises:
             DemonstrationError: If there is no such frame, or one of another size.
         """
-        try:
-            path, start = self._place
-        except DatasetError as error:
-            raise DemonstrationError(str(error)) from error
+        path, start = self._found()
         times = start + self._clock[rows]
         found, end = self._decoded(path, times) if len(rows) else ({}, 0.0)
         for number, row in enumerate(rows):
@@ -55,6 +130,30 @@ class VideoImages:
                 )
         images = [found[number] for number in range(len(rows))]
         return np.array(images, dtype=np.uint8).reshape(len(rows), *self.shape[1:])
+
+    def own_file(self) -> Path | None:
+        """Return the video if it holds this episode alone, encoded as it would be here.
+
+        Raises:
+            DemonstrationError: If it is not known where the images are.
+        """
+        import av
+
+        path, start = self._found()
+        try:
+            with av.open(str(path)) as container:
+                stream = container.streams.video[0]
+                found = (stream.codec.canonical_name, stream.pix_fmt, stream.frames)
+        except (av.FFmpegError, IndexError):
+            return None  # told when it is decoded
+        is_own = start == 0 and found == ("av1", layout.PIXEL_FORMAT, self.shape[0])
+        return path if is_own else None
+
+    def _found(self) -> tuple[Path, float]:
+        try:
+            return self._place
+        except DatasetError as error:
+            raise DemonstrationError(str(error)) from error
 
     @cached_property
     def _place(self) -> tuple[Path, float]:
