@@ -103,7 +103,7 @@ def test_what_is_not_there_is_told_and_nothing_written(finished: Path, tmp_path:
     with pytest.raises(ConfigurationError, match="exported: is there already: choose another"):
         export_policy(finished, CALLS, tmp_path / "exported")
     (tmp_path / "file").touch()
-    with pytest.raises(PrimeError, match="choose another place with --out"):
+    with pytest.raises(PrimeError, match=r"file: File exists\. Make it writable"):
         export_policy(finished, CALLS, tmp_path / "file" / "exported")
 
 
