@@ -14,7 +14,7 @@ from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig, PolicyCo
 from prime_core.contracts.primitive import Primitive, PrimitiveConfig
 from prime_core.contracts.training import ModelContext, TrainableConfig
 from prime_core.deployment.acting import acting_policy
-from prime_core.deployment.manifest import MODELS, Manifest, read_manifest
+from prime_core.deployment.manifest import MODELS, Manifest, mistake_in, read_manifest
 from prime_core.errors import ConfigurationError
 from prime_core.execution.world import primitive_space
 from prime_core.learning.perceived import PerceivedIdm
@@ -155,7 +155,8 @@ class ExportedModels:
             return read_settings(base, dump)
         except ValueError as error:
             raise ConfigurationError(
-                f"{self.folder / MODELS}: {key}: {error}. It was exported with {self._versions}"
+                f"{self.folder / MODELS}: {key}: {mistake_in(error)}. It was exported with "
+                f"{self._versions}"
             ) from error
 
     @property

@@ -101,13 +101,18 @@ def _read[Read](path: Path, adapter: TypeAdapter[Read]) -> Read:
         return adapter.validate_python(data)
     except FileNotFoundError:
         raise DamagedError(f"{path} is missing: export the policy again") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        reason = f"{key}: {first['msg'].removeprefix('Value error, ')}"
-    except (ValueError, RecursionError) as error:  # no JSON, or no text
-        reason = str(error)
+    except (ValueError, RecursionError) as error:  # no JSON, no text, or other keys
+        reason = mistake_in(error)
     raise DamagedError(
         f"{path} is not what this version's 'prime export-policy' writes: {reason}. Export the "
         "policy again"
     )
+
+
+def mistake_in(error: Exception) -> str:
+    """Return what is wrong with plain data, in a line: of several mistakes the first."""
+    if not isinstance(error, ValidationError):
+        return str(error)
+    first = error.errors()[0]
+    key, text = ".".join(map(str, first["loc"])), first["msg"].removeprefix("Value error, ")
+    return f"{key}: {text}" if key else text

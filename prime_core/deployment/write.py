@@ -30,7 +30,7 @@ def write_models(
             place = partial / name
             place.parent.mkdir(parents=True, exist_ok=True)
             if source.is_dir():
-                shutil.copytree(source, place)
+                shutil.copytree(source, place, copy_function=shutil.copyfile)
             else:
                 shutil.copyfile(source, place)
         write_manifest(partial, manifest, description)

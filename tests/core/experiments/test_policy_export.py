@@ -103,7 +103,7 @@ def test_what_is_not_there_is_told_and_nothing_written(finished: Path, tmp_path:
     with pytest.raises(ConfigurationError, match="exported: is there already: choose another"):
         export_policy(finished, CALLS, tmp_path / "exported")
     (tmp_path / "file").touch()
-    with pytest.raises(PrimeError, match="choose another place with --out"):
+    with pytest.raises(PrimeError, match=r"file: File exists\. Make it writable"):
         export_policy(finished, CALLS, tmp_path / "file" / "exported")
 
 
@@ -151,6 +151,10 @@ def test_folders_that_are_none_or_damaged_are_told(moved: Path, tmp_path: Path) 
     text = r"models\.json: idm: no idm is registered as 'toy/hight'.*exported with prime-core"
     with pytest.raises(ConfigurationError, match=text):
         ExportedModels.open(moved).idm()
+    change(parser={"type": "dp", "alhpa": 1})
+    text = r"models\.json: parser: unknown key 'alhpa': did you mean 'alpha'\?.*exported with"
+    with pytest.raises(ConfigurationError, match=text):
+        ExportedModels.open(moved).parser()
     change(space={"names": ["rise"], "parameter_spaces": [{"parameters": []}]})
     with pytest.raises(ConfigurationError, match="installed have other names or parameters"):
         ExportedModels.open(moved).policy()
