@@ -17,6 +17,8 @@ def register_environments(register: Register) -> None:
         LiftConfig,
         NutAssemblyConfig,
         PickPlaceConfig,
+        StackConfig,
+        TaskConfig,
         TidyUpConfig,
     )
 
@@ -24,6 +26,8 @@ def register_environments(register: Register) -> None:
     register("robosuite/lift", LiftConfig)
     register("robosuite/nut-assembly", NutAssemblyConfig)
     register("robosuite/pick-place", PickPlaceConfig)
+    register("robosuite/stack", StackConfig)
+    register("robosuite/task", TaskConfig)
     register("robosuite/tidy-up", TidyUpConfig)
 
 

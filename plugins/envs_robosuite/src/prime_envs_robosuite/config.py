@@ -84,6 +84,41 @@ class PickPlaceConfig(RobosuiteConfig):
         return self._around(PickPlaceTask(self.object))
 
 
+class StackConfig(RobosuiteConfig):
+    """robosuite's Stack: put cube A, the smaller one, onto cube B and let go."""
+
+    def build(self) -> Environment:
+        """Make the environment."""
+        from prime_envs_robosuite.tasks.stack import StackTask
+
+        return self._around(StackTask())
+
+
+class TaskConfig(RobosuiteConfig):
+    """Any task of robosuite's for one arm, solved when robosuite says so.
+
+    Objects, their sizes and symmetries, where they start and where it makes sense to grasp, place
+    and reach are read from its model; see `docs/environments.md` for what that cannot tell.
+    """
+
+    name: str = "Lift"
+    """robosuite's name of the task, such as ``Stack`` or ``PickPlaceCan``; a task that a lab
+    registers with robosuite in a pack of its own, too."""
+
+    def build(self) -> Environment:
+        """Make the environment.
+
+        Raises:
+            ConfigurationError: If there is no such task, or none for one Panda with its gripper.
+        """
+        from prime_envs_robosuite.mujoco_import import import_mujoco
+
+        import_mujoco()
+        from prime_envs_robosuite.tasks.robosuite_task import RobosuiteTask
+
+        return self._around(RobosuiteTask(self.name))
+
+
 class TidyUpConfig(RobosuiteConfig):
     """The paper's TidyUp: two small boxes into a bin, a large one pushed onto a mat."""
 

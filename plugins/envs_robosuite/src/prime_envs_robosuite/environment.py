@@ -72,7 +72,7 @@ class RobosuiteEnvironment(Environment):
         # Python's collector of cycles, which counts objects and not their size.
         self._freed = weakref.finalize(self, host.close)
         self._freed.atexit = False
-        self._simulation = Simulation(host, task.body_names, task.placements(host), stepping)
+        self._simulation = Simulation(host, task.body_names, task.starts(host), stepping)
         self._cameras = Cameras(host, meshes)
         for name in cameras:
             self._cameras.check(name)

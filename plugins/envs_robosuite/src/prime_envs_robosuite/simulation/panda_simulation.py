@@ -16,9 +16,9 @@ from prime_core.contracts.observations import (
     Observations,
 )
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
+from prime_envs_robosuite.simulation.objects import ObjectMotion, Starts
 from prime_envs_robosuite.simulation.panda import Panda
-from prime_envs_robosuite.simulation.physics_model import physics_model
+from prime_envs_robosuite.simulation.physics_model import physics_model, show_physics
 from prime_envs_robosuite.simulation.stepping import (
     CompiledStepper,
     Stepper,
@@ -38,8 +38,8 @@ class Simulation:
 
     Args:
         host: The robosuite environment that the model comes from.
-        body_names: The objects' names in robosuite, without the ``_main`` of the body.
-        placements: Where each object may start.
+        body_names: The objects' names in robosuite.
+        starts: Draws where they start, in the same order.
         stepping: ``"compiled"``, or ``"stock"`` for robosuite's own step.
 
     Attributes:
@@ -54,7 +54,7 @@ class Simulation:
         self,
         host: Any,
         body_names: Sequence[str],
-        placements: Sequence[Placement],
+        starts: Starts,
         stepping: Stepping,
     ) -> None:
         import mujoco
@@ -67,6 +67,7 @@ class Simulation:
             check_control_law(importlib.metadata.version("robosuite"))
             self.model = physics_model(self.host)
             self.data = mujoco.MjData(self.model)
+            show_physics(self.host, self.model, self.data)
         else:
             self.model = self.host.sim.model._model
             self.data = self.host.sim.data._data
@@ -76,8 +77,9 @@ class Simulation:
             self.stepper = CompiledStepper(self.model, self.data, self.panda)
         else:
             self.stepper = StockStepper(self.host)
-        self._placements = placements
-        bodies = [self.model.body(f"{name}_main") for name in body_names]
+        self._starts = starts
+        roots = {item.name: item.root_body for item in self.host.model.mujoco_objects}
+        bodies = [self.model.body(roots[name]) for name in body_names]
         self._bodies = np.array([body.id for body in bodies])
         joints = [self.model.joint(int(body.jntadr[0])) for body in bodies]
         self._object_addresses = [int(joint.qposadr[0]) for joint in joints]
@@ -126,7 +128,9 @@ class Simulation:
         positions[self.panda.joint_addresses] = robot.init_qpos + noise
         positions[self.panda.finger_addresses] = robot.gripper["right"].init_qpos
         for _ in range(PLACEMENT_DRAWS):
-            self._place_objects(rng)
+            poses = self._starts(rng)
+            for pose, address in zip(poses, self._object_addresses, strict=True):
+                positions[address : address + 7] = pose
             if not self._objects_overlap():
                 break
         else:
@@ -135,18 +139,6 @@ class Simulation:
                 "placements overlap, or lie in furniture"
             )
         self._restart_controller(0.0)
-
-    def _place_objects(self, rng: np.random.Generator) -> None:
-        """Draw each object's place and yaw."""
-        import mujoco
-
-        for placement, address in zip(self._placements, self._object_addresses, strict=True):
-            spot = rng.uniform(placement.low, placement.high)
-            half = rng.uniform(*placement.yaws) / 2
-            turned = np.empty(4)
-            yaw = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
-            mujoco.mju_mulQuat(turned, yaw, np.array(placement.quaternion))
-            self.data.qpos[address : address + 7] = [*spot, placement.height, *turned]
 
     def _objects_overlap(self) -> bool:
         """Whether an object is inside another one, furniture or the arm."""

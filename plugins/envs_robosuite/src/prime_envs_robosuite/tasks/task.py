@@ -6,7 +6,7 @@ from typing import Any
 
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
-from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
+from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement, Starts, uniform_starts
 from prime_envs_robosuite.tasks.subtasks import Subtask
 
 RELEASE_OPENING = 0.06  # from which the fingers, which open to 0.08 m, count as opened [m]
@@ -18,7 +18,7 @@ class Task(ABC):
     Attributes:
         words: What is to be done.
         objects: The objects, in the scene's order.
-        body_names: Their names in robosuite, without the ``_main`` of the body.
+        body_names: Their names in robosuite.
         workspace_low: Lower corner of the gripper's box [m], world frame.
         workspace_high: Upper corner [m].
         lift_height: World height at which the gripper travels [m].
@@ -35,13 +35,21 @@ class Task(ABC):
     def make_host(self) -> Any:
         """Build the robosuite environment that the models come from."""
 
-    @abstractmethod
-    def placements(self, host: Any) -> tuple[Placement, ...]:
-        """Return where each object starts.
+    def starts(self, host: Any) -> Starts:
+        """Return what draws where the objects start: each by itself, unless a task says otherwise.
 
         Args:
             host: What `make_host` built.
         """
+        return uniform_starts(self.placements(host))
+
+    def placements(self, host: Any) -> tuple[Placement, ...]:
+        """Return where each object starts, of a task with no `starts` of its own.
+
+        Args:
+            host: What `make_host` built.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has neither placements nor starts")
 
     @abstractmethod
     def affordances(self) -> tuple[Affordance, ...]:
