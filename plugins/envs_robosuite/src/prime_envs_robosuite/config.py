@@ -55,10 +55,10 @@ class LiftConfig(RobosuiteConfig):
 
 
 class NutAssemblyConfig(RobosuiteConfig):
-    """robosuite's NutAssembly with one nut: put it around its peg and let go."""
+    """robosuite's NutAssembly: put one nut or both around their pegs and let go."""
 
-    nut: Literal["round", "square"] = "round"
-    """The nut to move, to the peg of its shape."""
+    nut: Literal["round", "square", "both"] = "round"
+    """The nut to move, to the peg of its shape; ``both`` is robosuite's own task."""
 
     initial_range: Literal["paper", "robosuite"] = "paper"
     """How the nut may lie at the start: ``paper`` with its handle on the robot's side,
@@ -72,10 +72,10 @@ class NutAssemblyConfig(RobosuiteConfig):
 
 
 class PickPlaceConfig(RobosuiteConfig):
-    """robosuite's PickPlace with one object: put it into its own quarter and let go."""
+    """robosuite's PickPlace: put one object or all into their own quarters and let go."""
 
-    object: Literal["milk", "can", "bread", "cereal"] = "milk"
-    """The object to move."""
+    object: Literal["milk", "can", "bread", "cereal", "all"] = "milk"
+    """The object to move; ``all`` is robosuite's own task, with all four."""
 
     def build(self) -> Environment:
         """Make the environment."""

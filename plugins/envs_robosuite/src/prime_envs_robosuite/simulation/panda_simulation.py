@@ -3,6 +3,7 @@
 import importlib.metadata
 import math
 from collections.abc import Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from prime_core.contracts.observations import (
     Observations,
 )
 from prime_core.errors import PrimeError
+from prime_envs_robosuite.simulation.object_geoms import Geoms
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Starts
 from prime_envs_robosuite.simulation.panda import Panda
 from prime_envs_robosuite.simulation.physics_model import physics_model, show_physics
@@ -41,6 +43,7 @@ class Simulation:
         body_names: The objects' names in robosuite.
         starts: Draws where they start, in the same order.
         stepping: ``"compiled"``, or ``"stock"`` for robosuite's own step.
+        geoms: Of objects that are to have other shapes, with compiled stepping.
 
     Attributes:
         host: The robosuite environment.
@@ -48,6 +51,7 @@ class Simulation:
         data: Its ``mujoco.MjData``.
         panda: Where the robot is in them.
         stepper: Advances them.
+        object_bodies: Names of the objects' bodies, in the scene's order.
     """
 
     def __init__(
@@ -56,6 +60,7 @@ class Simulation:
         body_names: Sequence[str],
         starts: Starts,
         stepping: Stepping,
+        geoms: Geoms = MappingProxyType({}),
     ) -> None:
         import mujoco
 
@@ -65,7 +70,7 @@ class Simulation:
         self.stepper: Stepper
         if stepping == "compiled":
             check_control_law(importlib.metadata.version("robosuite"))
-            self.model = physics_model(self.host)
+            self.model = physics_model(self.host, geoms)
             self.data = mujoco.MjData(self.model)
             show_physics(self.host, self.model, self.data)
         else:
@@ -79,7 +84,8 @@ class Simulation:
             self.stepper = StockStepper(self.host)
         self._starts = starts
         roots = {item.name: item.root_body for item in self.host.model.mujoco_objects}
-        bodies = [self.model.body(roots[name]) for name in body_names]
+        self.object_bodies = [roots[name] for name in body_names]
+        bodies = [self.model.body(name) for name in self.object_bodies]
         self._bodies = np.array([body.id for body in bodies])
         joints = [self.model.joint(int(body.jntadr[0])) for body in bodies]
         self._object_addresses = [int(joint.qposadr[0]) for joint in joints]

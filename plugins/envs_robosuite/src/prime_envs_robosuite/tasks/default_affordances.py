@@ -158,7 +158,9 @@ def _is_in_the_way(other: Array, middle: Array, across: int, half: float, top: f
     if abs((low + high)[along] / 2 - middle[along]) > (high - low)[along] / 2 + FINGER_HALF_WIDTH:
         return False
     far = middle[across] + np.array([[half, OPENED], [-OPENED, -half]])
-    return bool(np.any((low[across] < far[:, 1] - TOUCHING) & (high[across] > far[:, 0] + TOUCHING)))
+    return bool(
+        np.any((low[across] < far[:, 1] - TOUCHING) & (high[across] > far[:, 0] + TOUCHING))
+    )
 
 
 def _corner(x: float, y: float, z: float) -> Corner:

@@ -15,7 +15,7 @@ from prime_envs_robosuite.tasks.default_affordances import (
     reaches_above,
 )
 from prime_envs_robosuite.tasks.robosuite_import import GRIPPER, make_robosuites_own
-from prime_envs_robosuite.tasks.start_region import StartRegion, SampledStarts
+from prime_envs_robosuite.tasks.start_region import SampledStarts, StartRegion
 from prime_envs_robosuite.tasks.subtasks import Subtask
 from prime_envs_robosuite.tasks.task import Task
 
@@ -67,7 +67,9 @@ class RobosuiteTask(Task):
             return ()
         names = list(self.shapes)
         onto = [
-            place_on(name, self.shapes[name], [self.shapes[other] for other in names if other != name])
+            place_on(
+                name, self.shapes[name], [self.shapes[other] for other in names if other != name]
+            )
             for name in names
             if len(names) > 1
         ]
@@ -75,7 +77,9 @@ class RobosuiteTask(Task):
             *spots,
             *onto,
             *map(reaches_above, spots),
-            *over_the_table(spots, self.shapes, self.region.surface, self.workspace_low, self.workspace_high),
+            *over_the_table(
+                spots, self.shapes, self.region.surface, self.workspace_low, self.workspace_high
+            ),
         )
 
     def subtasks(self) -> tuple[Subtask, ...]:
@@ -107,7 +111,9 @@ def _check(host: Any, name: str, loose: Sequence[Any]) -> None:
     start = f"environment 'robosuite/task': robosuite's {name}"
     gripper = type(host.robots[0].gripper["right"]).__name__
     if gripper != GRIPPER:
-        raise ConfigurationError(f"{start} has a {gripper}; only tasks with the {GRIPPER} are known")
+        raise ConfigurationError(
+            f"{start} has a {gripper}; only tasks with the {GRIPPER} are known"
+        )
     if not loose:
         joints = [joint for item in host.model.mujoco_objects for joint in item.joints]
         has = f"joints ({', '.join(joints)}) of things that are fixed" if joints else "no objects"

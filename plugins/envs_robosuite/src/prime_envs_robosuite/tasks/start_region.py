@@ -58,7 +58,11 @@ class SampledStarts:
         if self._chooses:
             used = int(rng.integers(len(poses)))
             for index in {*range(len(poses))} - {used}:
-                poses[index, :3] = PARKED[0] - index, PARKED[1], poses[index, 2] - self._region.surface
+                poses[index, :3] = (
+                    PARKED[0] - index,
+                    PARKED[1],
+                    poses[index, 2] - self._region.surface,
+                )
         return poses
 
 
@@ -126,11 +130,15 @@ class StartRegion:
         surface = round(float(np.min(bottoms - drops)), 4)
         corners, top = _furniture(host)
         base = data.body(BASE_BODY).xpos[:2]
-        nearest, farthest = base + [REACH[0], -REACH_ASIDE], base + [REACH[1], REACH_ASIDE]
+        nearest = base + np.array((REACH[0], -REACH_ASIDE))
+        farthest = base + np.array((REACH[1], REACH_ASIDE))
         starts = poses[..., :2].reshape(-1, 2)
         low = np.min([starts.min(axis=0) - AROUND, *corners], axis=0)
         high = np.max([starts.max(axis=0) + AROUND, *corners], axis=0)
-        low, high = np.clip(low, nearest, farthest).round(3), np.clip(high, nearest, farthest).round(3)
+        low, high = (
+            np.clip(low, nearest, farthest).round(3),
+            np.clip(high, nearest, farthest).round(3),
+        )
         tallest = max(float(shape.high[2] - shape.low[2]) for shape in shapes)
         lift_height = round(max(surface + ABOVE_SURFACE, top + tallest + CLEAR), 3)
         return cls(
