@@ -8,6 +8,7 @@ import pytest
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.errors import DatasetError
+from prime_envs_robosuite.config import TidyUpConfig
 from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config
 
 from .hdf5_files import FRAMES, assert_same, good, read, record, refusal

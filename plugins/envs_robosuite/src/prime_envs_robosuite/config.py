@@ -89,7 +89,7 @@ class StackConfig(RobosuiteConfig):
 
     def build(self) -> Environment:
         """Make the environment."""
-        from prime_envs_robosuite.tasks.stack import StackTask
+        from prime_envs_robosuite.robosuite_tasks.stack import StackTask
 
         return self._around(StackTask())
 
@@ -114,7 +114,7 @@ class TaskConfig(RobosuiteConfig):
         from prime_envs_robosuite.mujoco_import import import_mujoco
 
         import_mujoco()
-        from prime_envs_robosuite.tasks.robosuite_task import RobosuiteTask
+        from prime_envs_robosuite.robosuite_tasks.robosuite_task import RobosuiteTask
 
         return self._around(RobosuiteTask(self.name))
 

@@ -12,7 +12,7 @@ from prime_envs_robosuite.config import (
     StackConfig,
     TaskConfig,
 )
-from prime_envs_robosuite.tasks.robosuite_names import GROCERIES, NUTS
+from prime_envs_robosuite.tasks.robosuite_import import GROCERIES, NUTS
 
 
 @dataclass(frozen=True)

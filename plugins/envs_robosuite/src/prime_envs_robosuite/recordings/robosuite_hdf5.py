@@ -151,7 +151,9 @@ class _Shapes:
         wanted: Geoms = {}
         if model is not None:
             told = {body: model.geoms(name) for body, name in self._names.items()}
-            wanted = {body: geoms for body, geoms in told.items() if geoms != self._own[body]}
+            wanted = {
+                body: geoms for body, geoms in told.items() if geoms not in ((), self._own[body])
+            }
         if wanted != self._now:
             self._environment.reshape_objects(wanted)
             self._now = wanted

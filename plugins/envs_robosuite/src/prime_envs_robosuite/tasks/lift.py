@@ -7,8 +7,7 @@ from typing import Any
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
-from prime_envs_robosuite.tasks.robosuite_import import make_host
-from prime_envs_robosuite.tasks.robosuite_names import CUBE_HALF_SIZE
+from prime_envs_robosuite.tasks.robosuite_import import CUBE_HALF_SIZE, make_host
 from prime_envs_robosuite.tasks.subtasks import HoldUp, Subtask
 from prime_envs_robosuite.tasks.task import Task, sampler_placement
 

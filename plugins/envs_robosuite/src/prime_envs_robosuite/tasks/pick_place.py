@@ -14,9 +14,7 @@ from prime_envs_robosuite.simulation.objects import (
     Starts,
     uniform_starts,
 )
-from prime_envs_robosuite.tasks.robosuite_import import make_host
-from prime_envs_robosuite.tasks.robosuite_names import GROCERIES
-from prime_envs_robosuite.tasks.start_region import sample_poses
+from prime_envs_robosuite.tasks.robosuite_import import GROCERIES, make_host, sample_poses
 from prime_envs_robosuite.tasks.subtasks import ArmReach, Bounds, PutInto, Subtask
 from prime_envs_robosuite.tasks.task import Task, is_let_go, sampler_placement
 

@@ -8,16 +8,34 @@ import difflib
 import logging
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from prime_core.errors import ConfigurationError
-from prime_envs_robosuite.tasks.robosuite_names import SMALLER_HOSTS, HostName
+from prime_core.errors import ConfigurationError, PrimeError
+
+Array = NDArray[np.float64]
 
 ROBOT, GRIPPER = "Panda", "PandaGripper"
+HostName = Literal["FixedCubeLift", "NutAssemblyOf", "PickPlaceOf", "TableTop"]
+"""A class of `robosuite_models` or `table_top_model`."""
+
+GROCERIES = ("Milk", "Bread", "Cereal", "Can")  # in robosuite's order
+NUTS = ("SquareNut", "RoundNut")  # likewise
+CUBE_HALF_SIZE = 0.021  # of Lift's cube; robosuite draws 0.020 to 0.022 at every hard reset [m]
+
+SMALLER_HOSTS: dict[str, tuple[HostName, dict[str, Any]]] = {
+    "Lift": ("FixedCubeLift", {"cube_half_size": CUBE_HALF_SIZE}),
+    **{f"PickPlace{name}": ("PickPlaceOf", {"names": (name,)}) for name in GROCERIES},
+    **{
+        f"NutAssembly{name.removesuffix('Nut')}": ("NutAssemblyOf", {"names": (name,)})
+        for name in NUTS
+    },
+}
+"""Our class and its arguments by the name of the robosuite task that it stands for."""
 
 
 def make_host(name: HostName, **settings: Any) -> Any:
@@ -91,6 +109,30 @@ def _build(found: Any, settings: dict[str, Any]) -> Any:
         control_freq=20,
         **settings,
     )
+
+
+def sample_poses(host: Any, names: Sequence[str], rng: np.random.Generator) -> Array:
+    """Draw poses with a robosuite task's own sampler.
+
+    Args:
+        host: The robosuite environment.
+        names: robosuite's names of the objects.
+        rng: Where all draws come from.
+
+    Returns:
+        Positions [m], world frame, and quaternions, ``(k, 7)``.
+
+    Raises:
+        PrimeError: If the sampler finds no room for all of them.
+    """
+    from robosuite.utils.errors import RandomizationError
+
+    with seeded_globals(int(rng.integers(2**32))):
+        try:
+            found = host.placement_initializer.sample()
+        except RandomizationError as error:
+            raise PrimeError(f"robosuite's sampler found no start: {error}") from error
+    return np.array([[*found[name][0], *found[name][1]] for name in names])
 
 
 @contextmanager

@@ -13,11 +13,12 @@ from robosuite.environments.manipulation.pick_place import PickPlace
 from robosuite.models.objects import BreadObject, CanObject, CerealObject, MilkObject
 from robosuite.models.tasks import ManipulationTask
 
-from prime_envs_robosuite.tasks.robosuite_names import GROCERIES, NUTS
-
-OBJECT_CLASSES = dict(
-    zip(GROCERIES, (MilkObject, BreadObject, CerealObject, CanObject), strict=True)
-)
+OBJECT_CLASSES = {
+    "Milk": MilkObject,
+    "Bread": BreadObject,
+    "Cereal": CerealObject,
+    "Can": CanObject,
+}
 
 
 class FixedCubeLift(Lift):  # type: ignore[misc]
@@ -46,7 +47,7 @@ class PickPlaceOf(PickPlace):  # type: ignore[misc]
     The pictures of all four target objects in the bins stay.
 
     Args:
-        names: Of `GROCERIES`, in their order.
+        names: Of robosuite's four objects, in its order.
         settings: As for robosuite's own class.
     """
 
@@ -59,14 +60,14 @@ class PickPlaceOf(PickPlace):  # type: ignore[misc]
 
     def not_in_bin(self, obj_pos: Any, bin_id: int) -> bool:
         """Whether an object is not in its own bin; robosuite numbers objects like bins."""
-        return bool(super().not_in_bin(obj_pos, GROCERIES.index(self.names[bin_id])))
+        return bool(super().not_in_bin(obj_pos, self.obj_names.index(self.names[bin_id])))
 
 
 class NutAssemblyOf(NutAssembly):  # type: ignore[misc]
     """NutAssembly with some of its nuts; both pegs stay.
 
     Args:
-        names: Of `NUTS`, in their order.
+        names: Of ``"SquareNut"`` and ``"RoundNut"``, in this order.
         settings: As for robosuite's own class.
     """
 
@@ -90,4 +91,6 @@ class NutAssemblyOf(NutAssembly):  # type: ignore[misc]
 
     def on_peg(self, obj_pos: Any, peg_id: int) -> bool:
         """Whether a nut is around its own peg; robosuite numbers nuts like pegs."""
-        return bool(super().on_peg(obj_pos, NUTS.index(self.names[peg_id])))
+        return bool(
+            super().on_peg(obj_pos, self.nut_to_id[self.names[peg_id].removesuffix("Nut").lower()])
+        )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.contracts.description import Affordance
-from prime_envs_robosuite.tasks.object_shapes import ObjectShape
+from prime_envs_robosuite.robosuite_tasks.object_shapes import ObjectShape
 
 Array = NDArray[np.float64]
 Corner = tuple[float, float, float]

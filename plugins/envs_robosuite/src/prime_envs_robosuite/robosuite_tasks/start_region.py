@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.errors import PrimeError
+from prime_envs_robosuite.robosuite_tasks.object_shapes import ObjectShape, read_shape, world_points
 from prime_envs_robosuite.simulation.robot_description import BASE_BODY, FURNITURE_BODIES
-from prime_envs_robosuite.tasks.object_shapes import ObjectShape, read_shape, world_points
-from prime_envs_robosuite.tasks.robosuite_import import seeded_globals
+from prime_envs_robosuite.tasks.robosuite_import import sample_poses
 
 Array = NDArray[np.float64]
 Corner = tuple[float, float, float]
@@ -64,22 +63,6 @@ class SampledStarts:
                     poses[index, 2] - self._region.surface,
                 )
         return poses
-
-
-def sample_poses(host: Any, names: Sequence[str], rng: np.random.Generator) -> Array:
-    """Draw poses with a robosuite task's own sampler, ``(k, 7)``.
-
-    Raises:
-        PrimeError: If the sampler finds no room for all of them.
-    """
-    from robosuite.utils.errors import RandomizationError
-
-    with seeded_globals(int(rng.integers(2**32))):
-        try:
-            found = host.placement_initializer.sample()
-        except RandomizationError as error:
-            raise PrimeError(f"robosuite's sampler found no start: {error}") from error
-    return np.array([[*found[name][0], *found[name][1]] for name in names])
 
 
 @dataclass(frozen=True, eq=False)

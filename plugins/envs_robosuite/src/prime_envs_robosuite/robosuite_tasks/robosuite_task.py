@@ -7,15 +7,15 @@ from typing import Any
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
 from prime_core.errors import ConfigurationError
-from prime_envs_robosuite.simulation.objects import ObjectMotion, Starts
-from prime_envs_robosuite.tasks.default_affordances import (
+from prime_envs_robosuite.robosuite_tasks.default_affordances import (
     grasps,
     over_the_table,
     place_on,
     reaches_above,
 )
+from prime_envs_robosuite.robosuite_tasks.start_region import SampledStarts, StartRegion
+from prime_envs_robosuite.simulation.objects import ObjectMotion, Starts
 from prime_envs_robosuite.tasks.robosuite_import import GRIPPER, make_robosuites_own
-from prime_envs_robosuite.tasks.start_region import SampledStarts, StartRegion
 from prime_envs_robosuite.tasks.subtasks import Subtask
 from prime_envs_robosuite.tasks.task import Task
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from prime_core.contracts.description import Affordance
 from prime_core.contracts.scene import Scene
+from prime_envs_robosuite.robosuite_tasks.robosuite_task import RobosuiteTask
 from prime_envs_robosuite.simulation.objects import ObjectMotion
-from prime_envs_robosuite.tasks.robosuite_task import RobosuiteTask
 from prime_envs_robosuite.tasks.subtasks import ArmReach, Neighbour, PutOnto, Subtask
 
 UPPER, LOWER = "cubeA", "cubeB"
