@@ -14,6 +14,7 @@ Corner = tuple[float, float, float]
 WIDEST_GRIP = 0.075  # of what the fingers, which open to 0.08 m, can be put around [m]
 FINGER_REACH = 0.015  # below the gripper's position, with room to what the object lies on [m]
 COVERED = (0.012, 0.025)  # how far below an object's top it is gripped, least and most [m]
+WIDE = 0.9  # share of an object's width that still counts as wide
 LEAST_RANGE = 0.003  # of heights at which it is gripped [m]
 ASIDE = 0.01  # how far from a part's middle it is gripped at most [m]
 OPENED = 0.055  # from the gripper's middle to the outside of an opened finger [m]
@@ -52,8 +53,9 @@ def grasps(name: str, shape: ObjectShape) -> tuple[Affordance, ...]:
         if len({spot.low for spot in found}) >= most_parts:
             break
         low, high = part.min(axis=0), part.max(axis=0)
-        least = max(shape.low[2] + FINGER_REACH, high[2] - COVERED[1])
-        most = max(least + LEAST_RANGE, high[2] - COVERED[0])
+        top = _shoulder(part)
+        least = max(shape.low[2] + FINGER_REACH, top - COVERED[1])
+        most = max(least + LEAST_RANGE, top - COVERED[0])
         aside = np.minimum((high - low)[:2] / 4, ASIDE)
         others = [other for other in shape.parts if other is not part]
         for middle, yaws in _free_grips(part, others).items():
@@ -118,6 +120,14 @@ def over_the_table(
         Affordance(action, None, _corner(*near, lower), _corner(*far, upper))
         for action, (lower, upper) in heights.items()
     )
+
+
+def _shoulder(part: Array) -> float:
+    """Return up to which height a part is about as wide as anywhere: under a roof, if it has one."""
+    middle = (part.min(axis=0) + part.max(axis=0)) / 2
+    aside = np.abs(part - middle)[:, :2]
+    wide = aside > WIDE * aside.max(axis=0)
+    return float(min(part[wide[:, axis], 2].max() for axis in (0, 1)))
 
 
 def _free_grips(
