@@ -75,6 +75,7 @@ class RobosuiteEnvironment(Environment):
         self._freed = weakref.finalize(self, host.close)
         self._freed.atexit = False
         self._simulation = Simulation(host, task.body_names, task.starts(host), stepping)
+        self._judge = task.judge(host)
         self._cameras = Cameras(host, meshes)
         for name in cameras:
             self._cameras.check(name)
@@ -143,7 +144,7 @@ class RobosuiteEnvironment(Environment):
     def is_success(self) -> bool:
         """Whether the task is solved now."""
         scene = self.scene()
-        return self.task.is_success(scene, self._touched, self._simulation.motions())
+        return self._judge(scene, self._touched, self._simulation.motions())
 
     def get_state(self) -> Array:
         """Return all that the future depends on, ``(n,)``; see `Environment`.

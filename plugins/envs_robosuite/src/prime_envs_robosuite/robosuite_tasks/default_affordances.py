@@ -123,7 +123,7 @@ def over_the_table(
 
 
 def _shoulder(part: Array) -> float:
-    """Return up to which height a part is about as wide as anywhere: under a roof, if it has one."""
+    """Return up to which height [m] a part is about as wide as anywhere: a roof is not."""
     middle = (part.min(axis=0) + part.max(axis=0)) / 2
     aside = np.abs(part - middle)[:, :2]
     wide = aside > WIDE * aside.max(axis=0)

@@ -1,13 +1,16 @@
 """What tells one robosuite task from another: objects, regions, success."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement, Starts, uniform_starts
 from prime_envs_robosuite.tasks.subtasks import Subtask
+
+Judge = Callable[[Scene, bool, Sequence[ObjectMotion]], bool]
+"""Says whether a task is solved; see `Task.is_success` for what it is told."""
 
 RELEASE_OPENING = 0.06  # from which the fingers, which open to 0.08 m, count as opened [m]
 
@@ -58,6 +61,14 @@ class Task(ABC):
     @abstractmethod
     def subtasks(self) -> tuple[Subtask, ...]:
         """Return what a demonstrator does, one after another."""
+
+    def judge(self, host: Any) -> Judge:
+        """Return what says whether the task is solved: `is_success`, unless the host is asked, too.
+
+        Args:
+            host: What `make_host` built; it sees the physics that is stepped.
+        """
+        return self.is_success
 
     @abstractmethod
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[ObjectMotion]) -> bool:
