@@ -167,14 +167,25 @@ def test_meshes_are_scaled_as_in_the_recordings_own_model() -> None:
     np.testing.assert_allclose(places[1], places[0] / 2 + [0, 0, 0.03], atol=1e-4)
 
 
-def test_a_strange_geom_is_named(tmp_path: Path, lift: RobosuiteEnvironment) -> None:
+@pytest.mark.parametrize(
+    ("size", "text"),
+    [
+        ("a", "its model_file has a strange geom of 'cube': could not convert"),
+        ("-1 -1 -1", "the geoms of 'cube' in its model_file are none: Error: size"),
+    ],
+)
+def test_a_strange_geom_is_named(
+    tmp_path: Path, lift: RobosuiteEnvironment, size: str, text: str
+) -> None:
     lift.reset(seed=4)
-    cube = '<body><joint name="cube_joint0" type="free"/><geom type="box" size="a"/></body>'
+    cube = f'<body><joint name="cube_joint0" type="free"/><geom type="box" size="{size}"/></body>'
     model = MODEL.format("", JOINTS + FINGERS + cube)
-    shown = good(recorded(lift), model_file=model)
-    path = record(tmp_path / "a.hdf5", {"env": "Lift"}, demo_1=shown)
-    with pytest.raises(DatasetError, match="demo_1: its model_file has a strange geom of 'cube'"):
-        read_one(path, LiftConfig())
+    strange = good(recorded(lift), model_file=model)
+    path = record(tmp_path / "a.hdf5", {"env": "Lift"}, demo_1=strange, demo_2=good(recorded(lift)))
+    source = RobosuiteHdf5Config(path=path)
+    first, second = source.demonstrations(LiftConfig(), (0, 1), 0)
+    assert str(first).startswith(f"{path}: data/demo_1: {text}")
+    assert isinstance(second, Demonstration)
 
 
 @pytest.mark.parametrize("config", [StackConfig(), TaskConfig(name="Stack")])

@@ -90,7 +90,7 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
                 for index in indices:
                     try:
                         model, state, actions = self._read(data, names[index], objects, built)
-                        shapes.take(model)
+                        shapes.take(f"{self.path}: data/{names[index]}", model)
                     except DatasetError as error:
                         yield DemonstrationError(str(error))
                         continue
@@ -146,17 +146,33 @@ class _Shapes:
         self._names = dict(zip(self._own, environment.task.body_names, strict=True))
         self._now: Geoms = {}
 
-    def take(self, model: RecordedModel | None) -> None:
-        """Take the shapes of a recording's model, or the environment's own without one."""
+    def take(self, where: str, model: RecordedModel | None) -> None:
+        """Take the shapes of a recording's model, or the environment's own without one.
+
+        Args:
+            where: File and group, for errors.
+            model: Of the recording.
+
+        Raises:
+            DemonstrationError: If they are no shapes.
+        """
         wanted: Geoms = {}
         if model is not None:
             told = {body: model.geoms(name) for body, name in self._names.items()}
             wanted = {
                 body: geoms for body, geoms in told.items() if geoms not in ((), self._own[body])
             }
-        if wanted != self._now:
+        if wanted == self._now:
+            return
+        try:
             self._environment.reshape_objects(wanted)
-            self._now = wanted
+        except ValueError as error:  # MuJoCo's
+            line = str(error).partition("\n")[0]
+            raise DemonstrationError(
+                f"{where}: the geoms of {' and '.join(map(repr, self._names.values()))} in its "
+                f"model_file are none: {line}"
+            ) from None
+        self._now = wanted
 
 
 def _check_clock(where: str, clock: Array) -> None:
