@@ -119,6 +119,26 @@ def test_observations_of_several_objects_are_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(objects, environment.scene().object_positions, atol=1e-6)
 
 
+@pytest.mark.parametrize("since_1_5", [False, True])
+def test_both_orders_of_an_observed_object_are_read(tmp_path: Path, since_1_5: bool) -> None:
+    config = PickPlaceConfig(object="can")
+    environment = build(config)
+    environment.reset(seed=2)
+    states, scene = recorded(environment), environment.scene()
+    pose = states[:, [10, 11, 12, 14, 15, 16, 13]]
+    away = np.tile([*(scene.object_positions[0] - scene.gripper_position), 0, 0, 0, 1.0], (6, 1))
+    demo = good(states) | {
+        "obs/robot0_joint_pos": states[:, 1:8],
+        "obs/robot0_gripper_qpos": states[:, 8:10],
+        "obs/robot0_eef_pos": np.tile(scene.gripper_position, (FRAMES, 1)),
+        "obs/object": np.hstack((away, pose) if since_1_5 else (pose, away)),
+    }
+    del demo["states"]
+    path = record(tmp_path / "a.hdf5", {"env": "PickPlaceCan"}, demo_1=demo)
+    objects = read_one(path, config).observations.object_positions[0]
+    np.testing.assert_allclose(objects, scene.object_positions, atol=1e-6)
+
+
 @pytest.mark.parametrize(("half_size", "held"), [(0.021, True), (0.015, False)])
 def test_sizes_come_from_the_recordings_own_model(
     tmp_path: Path, lift: RobosuiteEnvironment, half_size: float, held: bool

@@ -17,11 +17,11 @@ from prime_envs_robosuite.recordings.recorded_model import ARM, FINGERS, Recorde
 Array = NDArray[np.float64]
 
 POSE, SPEED = 7, 6  # widths of an object in qpos and qvel
-OBSERVED_OBJECTS = {(1, 10): 7, (1, 14): 7, (2, 23): 7, (2, 28): 14, (4, 56): 14}
+OBSERVED_OBJECTS = {(1, 10): 7, (1, 14): 14, (2, 23): 7, (2, 28): 14, (4, 56): 14}
 """From one object's pose to the next in robosuite's ``object`` observation, by how many objects
 there are and how many numbers. Each object's begin with its pose. Lift adds where it is from the
-gripper, PickPlace and NutAssembly how it is turned from there, too; Stack adds all that at the
-end."""
+gripper, PickPlace and NutAssembly how it is turned from there, too, since 1.5 before the pose;
+Stack adds all that at the end."""
 NORM_TOLERANCE = 0.05  # of a recorded quaternion
 MOST_TURNED = 2 * np.pi  # radians of a joint of the arm
 WIDEST = 0.3  # metres that a finger may be from the middle
@@ -148,8 +148,25 @@ def _observed_poses(where: str, group: Any, wanted: Sequence[str]) -> list[Array
     values = array_of(where, group, "object")
     counts = [width for count, width in OBSERVED_OBJECTS if count == len(wanted)]
     step = OBSERVED_OBJECTS[len(wanted), _exactly(where, values, "object", counts).shape[1]]
-    starts = [step * index for index in range(len(wanted))]
+    first = POSE if step == 2 * POSE and _is_relative_first(where, group, values) else 0
+    starts = [first + step * index for index in range(len(wanted))]
     return [values[:, start : start + POSE][:, [0, 1, 2, 6, 3, 4, 5]] for start in starts]
+
+
+def _is_relative_first(where: str, group: Any, values: Array) -> bool:
+    """Whether an object's pose stands after where it is from the gripper, as robosuite 1.5 has it.
+
+    Told by the distance between both, where the gripper's position is there, too.
+    """
+    if "robot0_eef_pos" not in group:
+        return False
+    gripper = _exactly(where, array_of(where, group, "robot0_eef_pos"), "robot0_eef_pos", (3,))
+    first, second = values[:, :3], values[:, POSE : POSE + 3]
+    misses = [
+        np.abs(np.linalg.norm(position - gripper, axis=1) - np.linalg.norm(away, axis=1)).mean()
+        for position, away in ((first, second), (second, first))
+    ]
+    return bool(misses[1] < misses[0])
 
 
 def _exactly(where: str, values: Array, name: str, widths: Sequence[int]) -> Array:
