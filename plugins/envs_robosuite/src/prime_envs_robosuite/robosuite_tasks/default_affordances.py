@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from prime_core.contracts.description import Affordance
 from prime_envs_robosuite.robosuite_tasks.object_shapes import ObjectShape
+from prime_envs_robosuite.tasks.table_top_objects import WIDEST_GRIP
 
 Array = NDArray[np.float64]
 Corner = tuple[float, float, float]
 
-WIDEST_GRIP = 0.075  # of what the fingers, which open to 0.08 m, can be put around [m]
 FINGER_REACH = 0.015  # below the gripper's position, with room to what the object lies on [m]
 COVERED = (0.012, 0.025)  # how far below an object's top it is gripped, least and most [m]
 WIDE = 0.9  # share of an object's width that still counts as wide
