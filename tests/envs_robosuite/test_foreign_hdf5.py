@@ -8,7 +8,7 @@ import pytest
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.errors import DatasetError
-from prime_envs_robosuite.config import NutAssemblyConfig
+from prime_envs_robosuite.config import TidyUpConfig
 from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config
 
 from .hdf5_files import FRAMES, assert_same, good, read, record, refusal
@@ -147,9 +147,9 @@ def test_strange_attributes_are_refused_by_name(tmp_path: Path, states: Any, cas
 
 
 def test_a_task_without_recordings_is_refused(tmp_path: Path, states: Any) -> None:
-    path = record(tmp_path / "a.hdf5", {"env": "NutAssembly"}, demo_1=good(states))
-    with pytest.raises(DatasetError, match="recordings of robosuite's Lift and PickPlace; there"):
-        RobosuiteHdf5Config(path=path).demonstrate(NutAssemblyConfig(), 0, 0)
+    path = record(tmp_path / "a.hdf5", {"env": "Lift"}, demo_1=good(states))
+    with pytest.raises(DatasetError, match=r"'robosuite/task'\); there are none of TidyUpConfig"):
+        RobosuiteHdf5Config(path=path).demonstrate(TidyUpConfig(), 0, 0)
 
 
 def test_actions_are_scaled_as_the_controller_was(

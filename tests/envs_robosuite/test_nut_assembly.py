@@ -143,7 +143,7 @@ def test_a_moving_nut_is_not_solved(nut: RobosuiteEnvironment) -> None:
 
 
 def test_other_nuts_and_ranges_are_refused() -> None:
-    with pytest.raises(ValidationError, match="Input should be 'round' or 'square'"):
+    with pytest.raises(ValidationError, match="Input should be 'round', 'square' or 'both'"):
         NutAssemblyConfig(nut="hexagonal")  # type: ignore[arg-type]
     with pytest.raises(ValidationError, match="Input should be 'paper' or 'robosuite'"):
         NutAssemblyConfig(initial_range="anywhere")  # type: ignore[arg-type]

@@ -14,6 +14,7 @@ ORDER = (
     {"simulation"},
     {"pictures"},
     {"tasks"},
+    {"robosuite_tasks"},
     {"environment", "config", "recorder"},
     {"demonstrators", "recordings"},
     {PACK},

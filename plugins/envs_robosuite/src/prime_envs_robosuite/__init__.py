@@ -1,9 +1,9 @@
 """robosuite tasks as prime environments, and demonstrations of them.
 
-Each part imports only those before it: ``simulation``, ``pictures``, ``tasks``, the files beside
-this one (``environment.py``, its settings ``config.py``, ``recorder.py``), then ``demonstrators``
-and ``recordings``, which do not know each other. What is new is registered here. Importing this
-imports neither robosuite nor MuJoCo.
+Each part imports only those before it: ``simulation``, ``pictures``, ``tasks``,
+``robosuite_tasks``, the files beside this one (``environment.py``, its settings ``config.py``,
+``recorder.py``), then ``demonstrators`` and ``recordings``, which do not know each other. What is
+new is registered here. Importing this imports neither robosuite nor MuJoCo.
 """
 
 from prime_core.hookspecs import Register, hookimpl
@@ -17,6 +17,8 @@ def register_environments(register: Register) -> None:
         LiftConfig,
         NutAssemblyConfig,
         PickPlaceConfig,
+        StackConfig,
+        TaskConfig,
         TidyUpConfig,
     )
 
@@ -24,6 +26,8 @@ def register_environments(register: Register) -> None:
     register("robosuite/lift", LiftConfig)
     register("robosuite/nut-assembly", NutAssemblyConfig)
     register("robosuite/pick-place", PickPlaceConfig)
+    register("robosuite/stack", StackConfig)
+    register("robosuite/task", TaskConfig)
     register("robosuite/tidy-up", TidyUpConfig)
 
 

@@ -55,10 +55,10 @@ class LiftConfig(RobosuiteConfig):
 
 
 class NutAssemblyConfig(RobosuiteConfig):
-    """robosuite's NutAssembly with one nut: put it around its peg and let go."""
+    """robosuite's NutAssembly: put one nut or both around their pegs and let go."""
 
-    nut: Literal["round", "square"] = "round"
-    """The nut to move, to the peg of its shape."""
+    nut: Literal["round", "square", "both"] = "round"
+    """The nut to move, to the peg of its shape; ``both`` is robosuite's own task."""
 
     initial_range: Literal["paper", "robosuite"] = "paper"
     """How the nut may lie at the start: ``paper`` with its handle on the robot's side,
@@ -72,16 +72,51 @@ class NutAssemblyConfig(RobosuiteConfig):
 
 
 class PickPlaceConfig(RobosuiteConfig):
-    """robosuite's PickPlace with one object: put it into its own quarter and let go."""
+    """robosuite's PickPlace: put one object or all into their own quarters and let go."""
 
-    object: Literal["milk", "can", "bread", "cereal"] = "milk"
-    """The object to move."""
+    object: Literal["milk", "can", "bread", "cereal", "all"] = "milk"
+    """The object to move; ``all`` is robosuite's own task, with all four."""
 
     def build(self) -> Environment:
         """Make the environment."""
         from prime_envs_robosuite.tasks.pick_place import PickPlaceTask
 
         return self._around(PickPlaceTask(self.object))
+
+
+class StackConfig(RobosuiteConfig):
+    """robosuite's Stack: put cube A, the smaller one, onto cube B and let go."""
+
+    def build(self) -> Environment:
+        """Make the environment."""
+        from prime_envs_robosuite.robosuite_tasks.stack import StackTask
+
+        return self._around(StackTask())
+
+
+class TaskConfig(RobosuiteConfig):
+    """Any task of robosuite's for one arm, solved when robosuite says so.
+
+    Objects, their sizes and symmetries, where they start and where it makes sense to grasp, place
+    and reach are read from its model; see `docs/environments.md` for what that cannot tell.
+    """
+
+    name: str = "Lift"
+    """robosuite's name of the task, such as ``Stack`` or ``PickPlaceCan``; a task that a lab
+    registers with robosuite in a pack of its own, too."""
+
+    def build(self) -> Environment:
+        """Make the environment.
+
+        Raises:
+            ConfigurationError: If there is no such task, or none for one Panda with its gripper.
+        """
+        from prime_envs_robosuite.mujoco_import import import_mujoco
+
+        import_mujoco()
+        from prime_envs_robosuite.robosuite_tasks.robosuite_task import RobosuiteTask
+
+        return self._around(RobosuiteTask(self.name))
 
 
 class TidyUpConfig(RobosuiteConfig):

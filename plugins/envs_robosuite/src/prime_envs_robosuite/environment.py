@@ -26,7 +26,9 @@ from prime_core.contracts.scene import ObjectPoses, Scene
 from prime_core.errors import PrimeError
 from prime_envs_robosuite.pictures.cameras import Cameras, Meshes
 from prime_envs_robosuite.simulation.controller_commands import controller_command
+from prime_envs_robosuite.simulation.object_geoms import Geoms
 from prime_envs_robosuite.simulation.panda_simulation import Simulation
+from prime_envs_robosuite.simulation.physics_model import object_geoms
 from prime_envs_robosuite.simulation.robot_description import describe_robot
 from prime_envs_robosuite.simulation.stepping import Stepping
 from prime_envs_robosuite.tasks.task import Task
@@ -72,7 +74,8 @@ class RobosuiteEnvironment(Environment):
         # Python's collector of cycles, which counts objects and not their size.
         self._freed = weakref.finalize(self, host.close)
         self._freed.atexit = False
-        self._simulation = Simulation(host, task.body_names, task.placements(host), stepping)
+        self._simulation = Simulation(host, task.body_names, task.starts(host), stepping)
+        self._judge = task.judge(host)
         self._cameras = Cameras(host, meshes)
         for name in cameras:
             self._cameras.check(name)
@@ -141,7 +144,7 @@ class RobosuiteEnvironment(Environment):
     def is_success(self) -> bool:
         """Whether the task is solved now."""
         scene = self.scene()
-        return self.task.is_success(scene, self._touched, self._simulation.motions())
+        return self._judge(scene, self._touched, self._simulation.motions())
 
     def get_state(self) -> Array:
         """Return all that the future depends on, ``(n,)``; see `Environment`.
@@ -185,6 +188,24 @@ class RobosuiteEnvironment(Environment):
         self._simulation.set_joint_state(positions, velocities, gripper_command)
         self._elapsed = 0
         self._gripper_command = None
+        self._scene = None
+
+    def own_geoms(self) -> Geoms:
+        """Return what the objects collide with in robosuite's model, by their bodies, in order."""
+        return object_geoms(self._simulation.host, self._simulation.object_bodies)
+
+    def reshape_objects(self, geoms: Geoms) -> None:
+        """Give the objects other shapes, those of a recording's model; none for their own.
+
+        Pictures and the description stay those of robosuite's model, and so does the layout of
+        states. The environment is then as it is before the first reset.
+
+        Args:
+            geoms: Of some objects, by the names of their bodies.
+        """
+        host, task = self._simulation.host, self.task
+        starts = task.starts(host)
+        self._simulation = Simulation(host, task.body_names, starts, "compiled", geoms)
         self._scene = None
 
     def render(self) -> NDArray[np.uint8]:

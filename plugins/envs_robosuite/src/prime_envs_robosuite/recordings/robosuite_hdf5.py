@@ -12,7 +12,6 @@ from prime_core.configuration import ConfigDump, LocalPath
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.environment import CONTROL_FREQUENCY, EnvironmentConfig
 from prime_core.errors import DatasetError, DemonstrationError
-from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig
 from prime_envs_robosuite.recordings.hdf5_file import (
     array_of,
     data_of,
@@ -21,10 +20,10 @@ from prime_envs_robosuite.recordings.hdf5_file import (
     told,
 )
 from prime_envs_robosuite.recordings.joint_states import JointState, read_joint_state
-from prime_envs_robosuite.recordings.recorded_settings import (
-    read_settings_of,
-    read_task_of,
-)
+from prime_envs_robosuite.recordings.recorded_model import RecordedModel
+from prime_envs_robosuite.recordings.recorded_settings import read_settings_of
+from prime_envs_robosuite.recordings.recorded_tasks import RECORDED_TASKS, recorded_task
+from prime_envs_robosuite.simulation.object_geoms import Geoms
 
 if TYPE_CHECKING:
     from prime_envs_robosuite.environment import RobosuiteEnvironment
@@ -104,13 +103,17 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
             with told(str(self.path), DatasetError):
                 data = data_of(self.path, file)
                 names = names_of(self.path, data, self.episodes)
-                task, objects = _recorded_task(environment)
+                task = recorded_task(environment, NAME)
                 scale = read_settings_of(self.path, data, task)
             built = build_for_recording(environment, NAME)
+            known = RECORDED_TASKS.get(task)
+            objects = built.task.body_names if known is None else known.objects
+            shapes = _Shapes(built)
             try:
                 for index in indices:
                     try:
-                        state, actions = self._read(data, names[index], objects, built)
+                        model, state, actions = self._read(data, names[index], objects, built)
+                        shapes.take(f"{self.path}: data/{names[index]}", model)
                     except DatasetError as error:
                         yield DemonstrationError(str(error))
                         continue
@@ -120,8 +123,8 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
 
     def _read(
         self, data: Any, name: str, objects: Sequence[str], built: "RobosuiteEnvironment"
-    ) -> tuple[JointState, Array]:
-        """Return the joint state and the actions of a recording.
+    ) -> tuple[RecordedModel | None, JointState, Array]:
+        """Return the model, the joint state and the actions of a recording.
 
         Raises:
             DatasetError: If it cannot be used.
@@ -133,8 +136,8 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
             group = data[name]
             if not isinstance(group, h5py.Group):
                 raise DemonstrationError(f"{where} is no group of a demonstration")
-            wanted = built.description.objects[0].name
-            state = read_joint_state(where, self.path, group, objects, wanted)
+            model = RecordedModel.read(where, self.path, group)
+            state = read_joint_state(where, group, model, objects, built.task.body_names)
             actions = array_of(where, group, "actions")
             count = group.attrs.get("num_samples", len(actions))
             clock = array_of(where, group, "states")[:, 0] if "states" in group else None
@@ -150,21 +153,49 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
         if clock is not None:
             _check_clock(where, clock)
         state.check(where)
-        return state, actions
+        return model, state, actions
 
 
-def _recorded_task(environment: EnvironmentConfig) -> tuple[str, tuple[str, ...]]:
-    """Return robosuite's name of an environment and the objects of its recordings, in order."""
-    if isinstance(environment, LiftConfig):
-        return "Lift", ("cube",)
-    if isinstance(environment, PickPlaceConfig):
-        # robosuite keeps the objects that are not to be moved, out of the way.
-        name = f"PickPlace{environment.object.capitalize()}"
-        return name, ("milk", "bread", "cereal", "can")
-    raise DatasetError(
-        f"demonstrator {NAME!r} reads recordings of robosuite's Lift and PickPlace; there are none "
-        f"of {type(environment).__name__}"
-    )
+class _Shapes:
+    """Gives the objects of an environment the shapes that recordings' models say.
+
+    Args:
+        environment: Whose objects they are.
+    """
+
+    def __init__(self, environment: "RobosuiteEnvironment") -> None:
+        self._environment = environment
+        self._own = environment.own_geoms()
+        self._names = dict(zip(self._own, environment.task.body_names, strict=True))
+        self._now: Geoms = {}
+
+    def take(self, where: str, model: RecordedModel | None) -> None:
+        """Take the shapes of a recording's model, or the environment's own without one.
+
+        Args:
+            where: File and group, for errors.
+            model: Of the recording.
+
+        Raises:
+            DemonstrationError: If they are no shapes.
+        """
+        wanted: Geoms = {}
+        if model is not None:
+            told = {body: model.geoms(name) for body, name in self._names.items()}
+            wanted = {
+                body: geoms for body, geoms in told.items() if geoms not in ((), self._own[body])
+            }
+        if wanted == self._now:
+            return
+        try:
+            self._environment.reshape_objects(wanted)
+        except ValueError as error:  # MuJoCo's
+            line = str(error).partition("\n")[0]
+            raise DemonstrationError(
+                f"{where}: the geoms of {' and '.join(map(repr, self._names.values()))} in its "
+                f"model_file are none: {line}"
+            ) from None
+        self._now = wanted
 
 
 def _check_clock(where: str, clock: Array) -> None:

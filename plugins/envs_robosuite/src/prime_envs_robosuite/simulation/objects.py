@@ -1,8 +1,14 @@
 """Objects in a simulation: where they may start, and how they move."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Starts = Callable[[np.random.Generator], Array]
+"""Draws where the objects start: positions [m], world frame, and quaternions, ``(k, 7)``."""
 
 REST_SPEED = 0.05  # below which an object counts as lying still [m/s]
 REST_TURNING = 0.5  # likewise [rad/s]
@@ -25,6 +31,22 @@ class Placement:
     height: float
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     yaws: tuple[float, float] = (0.0, 2.0 * np.pi)
+
+    def draw(self, rng: np.random.Generator) -> Array:
+        """Draw a place and a yaw: position [m] and quaternion, ``(7,)``."""
+        import mujoco
+
+        spot = rng.uniform(self.low, self.high)
+        half = rng.uniform(*self.yaws) / 2
+        turned = np.empty(4)
+        yaw = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+        mujoco.mju_mulQuat(turned, yaw, np.array(self.quaternion))
+        return np.array([*spot, self.height, *turned])
+
+
+def uniform_starts(placements: Sequence[Placement]) -> Starts:
+    """Return what draws each object's start from its own placement, one after another."""
+    return lambda rng: np.stack([placement.draw(rng) for placement in placements])
 
 
 @dataclass(frozen=True)

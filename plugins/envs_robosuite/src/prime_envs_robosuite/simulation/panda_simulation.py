@@ -3,6 +3,7 @@
 import importlib.metadata
 import math
 from collections.abc import Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,10 @@ from prime_core.contracts.observations import (
     Observations,
 )
 from prime_core.errors import PrimeError
-from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
+from prime_envs_robosuite.simulation.object_geoms import Geoms
+from prime_envs_robosuite.simulation.objects import ObjectMotion, Starts
 from prime_envs_robosuite.simulation.panda import Panda
-from prime_envs_robosuite.simulation.physics_model import physics_model
+from prime_envs_robosuite.simulation.physics_model import physics_model, show_physics
 from prime_envs_robosuite.simulation.stepping import (
     CompiledStepper,
     Stepper,
@@ -38,9 +40,10 @@ class Simulation:
 
     Args:
         host: The robosuite environment that the model comes from.
-        body_names: The objects' names in robosuite, without the ``_main`` of the body.
-        placements: Where each object may start.
+        body_names: The objects' names in robosuite.
+        starts: Draws where they start, in the same order.
         stepping: ``"compiled"``, or ``"stock"`` for robosuite's own step.
+        geoms: Of objects that are to have other shapes, with compiled stepping.
 
     Attributes:
         host: The robosuite environment.
@@ -48,14 +51,16 @@ class Simulation:
         data: Its ``mujoco.MjData``.
         panda: Where the robot is in them.
         stepper: Advances them.
+        object_bodies: Names of the objects' bodies, in the scene's order.
     """
 
     def __init__(
         self,
         host: Any,
         body_names: Sequence[str],
-        placements: Sequence[Placement],
+        starts: Starts,
         stepping: Stepping,
+        geoms: Geoms = MappingProxyType({}),
     ) -> None:
         import mujoco
 
@@ -65,8 +70,9 @@ class Simulation:
         self.stepper: Stepper
         if stepping == "compiled":
             check_control_law(importlib.metadata.version("robosuite"))
-            self.model = physics_model(self.host)
+            self.model = physics_model(self.host, geoms)
             self.data = mujoco.MjData(self.model)
+            show_physics(self.host, self.model, self.data)
         else:
             self.model = self.host.sim.model._model
             self.data = self.host.sim.data._data
@@ -76,8 +82,10 @@ class Simulation:
             self.stepper = CompiledStepper(self.model, self.data, self.panda)
         else:
             self.stepper = StockStepper(self.host)
-        self._placements = placements
-        bodies = [self.model.body(f"{name}_main") for name in body_names]
+        self._starts = starts
+        roots = {item.name: item.root_body for item in self.host.model.mujoco_objects}
+        self.object_bodies = [roots[name] for name in body_names]
+        bodies = [self.model.body(name) for name in self.object_bodies]
         self._bodies = np.array([body.id for body in bodies])
         joints = [self.model.joint(int(body.jntadr[0])) for body in bodies]
         self._object_addresses = [int(joint.qposadr[0]) for joint in joints]
@@ -126,7 +134,9 @@ class Simulation:
         positions[self.panda.joint_addresses] = robot.init_qpos + noise
         positions[self.panda.finger_addresses] = robot.gripper["right"].init_qpos
         for _ in range(PLACEMENT_DRAWS):
-            self._place_objects(rng)
+            poses = self._starts(rng)
+            for pose, address in zip(poses, self._object_addresses, strict=True):
+                positions[address : address + 7] = pose
             if not self._objects_overlap():
                 break
         else:
@@ -135,18 +145,6 @@ class Simulation:
                 "placements overlap, or lie in furniture"
             )
         self._restart_controller(0.0)
-
-    def _place_objects(self, rng: np.random.Generator) -> None:
-        """Draw each object's place and yaw."""
-        import mujoco
-
-        for placement, address in zip(self._placements, self._object_addresses, strict=True):
-            spot = rng.uniform(placement.low, placement.high)
-            half = rng.uniform(*placement.yaws) / 2
-            turned = np.empty(4)
-            yaw = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
-            mujoco.mju_mulQuat(turned, yaw, np.array(placement.quaternion))
-            self.data.qpos[address : address + 7] = [*spot, placement.height, *turned]
 
     def _objects_overlap(self) -> bool:
         """Whether an object is inside another one, furniture or the arm."""

@@ -5,23 +5,29 @@ every body. Leaving out what only shows (the robot's look is 185 thousand mesh f
 number of the physics: robosuite takes masses from collision geoms and explicit inertias alone.
 """
 
+from collections.abc import Sequence
+from types import MappingProxyType
 from typing import Any
 from xml.etree import ElementTree
+
+from prime_envs_robosuite.simulation.object_geoms import Geoms, only_shows, put_geoms, read_geoms
 
 Element = ElementTree.Element
 
 
-def physics_model(host: Any) -> Any:
+def physics_model(host: Any, geoms: Geoms = MappingProxyType({})) -> Any:
     """Compile a host's model without sensors and without what only shows.
 
     Args:
         host: A robosuite environment.
+        geoms: Of objects that are to have other shapes.
 
     Returns:
         A ``mujoco.MjModel`` with the same state as the host's: the same bodies, joints,
         actuators and collision geoms.
     """
     root = ElementTree.fromstring(model_xml(host))
+    put_geoms(root, geoms)
     for body in [*root.iter("worldbody"), *root.iter("body")]:
         for geom in body.findall("geom"):
             if only_shows(geom):
@@ -32,6 +38,24 @@ def physics_model(host: Any) -> Any:
         root.remove(sensors)
     _drop_unused_assets(root)
     return _compile(ElementTree.tostring(root, encoding="unicode"), host)
+
+
+def show_physics(host: Any, model: Any, data: Any) -> None:
+    """Let a host's own checks, such as that of success, look at other physics than its own.
+
+    Args:
+        host: A robosuite environment.
+        model: What `physics_model` compiled of it.
+        data: The ``mujoco.MjData`` that is stepped.
+    """
+    from robosuite.utils.binding_utils import MjModel
+
+    wrapped = MjModel(model)
+    numbers = {name: number for number, name in enumerate(wrapped.geom_names)}
+    # It asks for what only shows, too, for pictures that are not made: those get numbers of none.
+    wrapped.geom_name2id = lambda name: numbers.setdefault(name, model.ngeom + len(numbers))
+    host.sim.model, host.sim.data._model, host.sim.data._data = wrapped, wrapped, data
+    host._setup_references()  # geoms have other numbers where fewer are left
 
 
 def visual_model(host: Any) -> Any:
@@ -51,9 +75,16 @@ def model_xml(host: Any) -> str:
     return str(host.edit_model_xml(host.model.get_xml()))
 
 
-def only_shows(geom: Element) -> bool:
-    """Whether a geom collides with nothing."""
-    return geom.get("contype") == "0" and geom.get("conaffinity") == "0"
+def object_geoms(host: Any, names: Sequence[str]) -> Geoms:
+    """Return what objects of a host's model collide with, by the names of their bodies.
+
+    Args:
+        host: A robosuite environment.
+        names: Of the bodies.
+    """
+    root = ElementTree.fromstring(model_xml(host))
+    bodies = {body.get("name", ""): body for body in root.iter("body")}
+    return {name: read_geoms(root, bodies[name]) for name in names}
 
 
 def _drop_unused_assets(root: Element) -> None:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prime_core.contracts.description import RobotDescription
+from prime_envs_robosuite.simulation.object_geoms import only_shows
 from prime_envs_robosuite.simulation.panda import FINGER_BODIES, GRIP_SITE, JOINT_NAMES
-from prime_envs_robosuite.simulation.physics_model import model_xml, only_shows
+from prime_envs_robosuite.simulation.physics_model import model_xml
 
 Element = ElementTree.Element
 

@@ -7,12 +7,11 @@ from typing import Any
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
-from prime_envs_robosuite.tasks.robosuite_import import make_host
+from prime_envs_robosuite.tasks.robosuite_import import CUBE_HALF_SIZE, make_host
 from prime_envs_robosuite.tasks.subtasks import HoldUp, Subtask
 from prime_envs_robosuite.tasks.task import Task, sampler_placement
 
 TABLE_TOP = 0.8
-CUBE_HALF_SIZE = 0.021  # robosuite draws 0.020 to 0.022 at every hard reset
 SUCCESS_HEIGHT = 0.04  # of the cube's centre above the table, as in robosuite
 
 

@@ -1,4 +1,4 @@
-"""PickPlace: move one grocery from a bin into its own quarter of another bin."""
+"""PickPlace: move groceries from a bin into their own quarters of another bin."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,12 +8,18 @@ import numpy as np
 
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
-from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
-from prime_envs_robosuite.tasks.robosuite_import import make_host
+from prime_envs_robosuite.simulation.objects import (
+    ObjectMotion,
+    Placement,
+    Starts,
+    uniform_starts,
+)
+from prime_envs_robosuite.tasks.robosuite_import import GROCERIES, make_host, sample_poses
 from prime_envs_robosuite.tasks.subtasks import ArmReach, Bounds, PutInto, Subtask
 from prime_envs_robosuite.tasks.task import Task, is_let_go, sampler_placement
 
 Grocery = Literal["milk", "bread", "cereal", "can"]
+Choice = Literal[Grocery, "all"]
 
 BIN_POSITION = (0.1, 0.28, 0.8)  # of the bin with four quarters, world frame [m]
 QUARTER_SIZE = (0.195, 0.245)  # [m]
@@ -59,68 +65,85 @@ SHAPES: dict[str, _Shape] = {
 
 
 class PickPlaceTask(Task):
-    """robosuite's PickPlace with one object and without the other three.
+    """robosuite's PickPlace with all four objects, or with one and without the other three.
 
-    Solved when the object lies at rest in its own quarter and is let go of: no finger
-    touches it, the gripper is open and more than 4.2 cm away.
+    Solved when each object lies at rest in its own quarter and is let go of: no finger touches
+    one, the gripper is open and more than 4.2 cm away from all.
 
     Args:
-        kind: The object to move.
+        choice: The object to move, or ``"all"``, in robosuite's order.
     """
 
     workspace_low = (-0.08, -0.44, 0.82)
     workspace_high = (0.30, 0.42, 1.08)
     lift_height = 1.05
 
-    def __init__(self, kind: Grocery) -> None:
-        self.kind = kind
-        self.shape = SHAPES[kind]
-        self.words = f"put the {kind} into its bin"
-        self.objects = (ObjectDescription(kind, yaw_symmetry=self.shape.yaw_symmetry),)
-        self.body_names = (kind.capitalize(),)
+    def __init__(self, choice: Choice) -> None:
+        everything = tuple(name.lower() for name in GROCERIES)
+        self.kinds = everything if choice == "all" else (choice,)
+        what = "each object" if choice == "all" else f"the {choice}"
+        self.words = f"put {what} into its bin"
+        self.objects = tuple(
+            ObjectDescription(kind, yaw_symmetry=SHAPES[kind].yaw_symmetry) for kind in self.kinds
+        )
+        self.body_names = tuple(kind.capitalize() for kind in self.kinds)
 
     def make_host(self) -> Any:
         """Build the robosuite environment; see `Task`."""
-        return make_host("OneObjectPickPlace", kind=self.kind)
+        return make_host("PickPlaceOf", names=self.body_names)
+
+    def starts(self, host: Any) -> Starts:
+        """Return robosuite's sampler, which keeps several objects apart; see `Task`."""
+        if len(self.kinds) > 1:
+            return lambda rng: sample_poses(host, self.body_names, rng)
+        return uniform_starts(self.placements(host))
 
     def placements(self, host: Any) -> tuple[Placement, ...]:
-        """Return where the object starts; see `Task`."""
+        """Return where one object alone starts; see `Task`."""
         sampler = host.placement_initializer.samplers["CollisionObjectSampler"]
         return (sampler_placement(sampler, host.objects[0]),)
 
     def affordances(self) -> tuple[Affordance, ...]:
         """Return where actions make sense; see `Task`."""
-        low, high = self.shape.grasp_height
-        yaws = self.shape.grasp_yaws
-        grasp = Affordance("grasp", self.kind, (0.0, 0.0, low), (0.0, 0.0, high), yaws)
-        reach = Affordance("reach", self.kind, (0.0, 0.0, high), (0.0, 0.0, high + 0.08), yaws)
+        grasps, reaches = [], []
+        for kind in self.kinds:
+            low, high = SHAPES[kind].grasp_height
+            yaws = SHAPES[kind].grasp_yaws
+            above = (0.0, 0.0, high + 0.08)
+            grasps.append(Affordance("grasp", kind, (0.0, 0.0, low), (0.0, 0.0, high), yaws))
+            reaches.append(Affordance("reach", kind, (0.0, 0.0, high), above, yaws))
         corners = [(x, y, PLACE_HEIGHT) for x, y in PLACE_SPOTS]
         places = [Affordance("place", None, corner, corner) for corner in corners]
-        above = [Affordance("reach", None, corner, corner) for corner in corners]
-        return (grasp, *places, reach, *above)
+        above_bins = [Affordance("reach", None, corner, corner) for corner in corners]
+        return (*grasps, *places, *reaches, *above_bins)
 
     def subtasks(self) -> tuple[Subtask, ...]:
         """Return what a demonstrator does; see `Task`."""
-        inner, aim = (
-            _shrunk_quarter(self.shape.quarter, by) for by in (WALL_HALF_THICKNESS, WALL_MARGIN)
-        )
-        return (
-            PutInto(
-                object_name=self.kind,
-                taken_from=TAKEN_FROM,
-                room=Bounds(*inner, top=WALL_TOP),
-                low=aim[0],
-                high=aim[1],
-                reach=EASY_REACH,
-            ),
-        )
+        return tuple(map(_put_into_quarter, self.kinds))
 
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[ObjectMotion]) -> bool:
-        """Whether the object lies in its quarter, let go of; see `Task`."""
-        position = scene.object_positions[0]
-        distance = float(np.linalg.norm(position - scene.gripper_position))
-        released = is_let_go(scene, touched) and distance > RELEASE_DISTANCE
-        return released and motions[0].at_rest and in_quarter(position, self.shape.quarter)
+        """Whether each object lies in its quarter, let go of; see `Task`."""
+        away = np.linalg.norm(scene.object_positions - scene.gripper_position, axis=1)
+        released = is_let_go(scene, touched) and bool(away.min() > RELEASE_DISTANCE)
+        at_rest = all(motion.at_rest for motion in motions)
+        pairs = zip(self.kinds, scene.object_positions, strict=True)
+        return (
+            released and at_rest and all(in_quarter(at, SHAPES[kind].quarter) for kind, at in pairs)
+        )
+
+
+def _put_into_quarter(kind: str) -> PutInto:
+    """Return the subtask of putting an object into its own quarter."""
+    quarter = SHAPES[kind].quarter
+    inner, aim = (_shrunk_quarter(quarter, by) for by in (WALL_HALF_THICKNESS, WALL_MARGIN))
+    return PutInto(
+        object_name=kind,
+        taken_from=TAKEN_FROM,
+        room=Bounds(*inner, top=WALL_TOP),
+        low=aim[0],
+        high=aim[1],
+        reach=EASY_REACH,
+    )
 
 
 def quarter_centre(quarter: int) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -1,13 +1,16 @@
 """What tells one robosuite task from another: objects, regions, success."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
-from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
+from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement, Starts, uniform_starts
 from prime_envs_robosuite.tasks.subtasks import Subtask
+
+Judge = Callable[[Scene, bool, Sequence[ObjectMotion]], bool]
+"""Says whether a task is solved; see `Task.is_success` for what it is told."""
 
 RELEASE_OPENING = 0.06  # from which the fingers, which open to 0.08 m, count as opened [m]
 
@@ -18,7 +21,7 @@ class Task(ABC):
     Attributes:
         words: What is to be done.
         objects: The objects, in the scene's order.
-        body_names: Their names in robosuite, without the ``_main`` of the body.
+        body_names: Their names in robosuite.
         workspace_low: Lower corner of the gripper's box [m], world frame.
         workspace_high: Upper corner [m].
         lift_height: World height at which the gripper travels [m].
@@ -35,13 +38,21 @@ class Task(ABC):
     def make_host(self) -> Any:
         """Build the robosuite environment that the models come from."""
 
-    @abstractmethod
-    def placements(self, host: Any) -> tuple[Placement, ...]:
-        """Return where each object starts.
+    def starts(self, host: Any) -> Starts:
+        """Return what draws where the objects start: each by itself, unless a task says otherwise.
 
         Args:
             host: What `make_host` built.
         """
+        return uniform_starts(self.placements(host))
+
+    def placements(self, host: Any) -> tuple[Placement, ...]:
+        """Return where each object starts, of a task with no `starts` of its own.
+
+        Args:
+            host: What `make_host` built.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has neither placements nor starts")
 
     @abstractmethod
     def affordances(self) -> tuple[Affordance, ...]:
@@ -50,6 +61,14 @@ class Task(ABC):
     @abstractmethod
     def subtasks(self) -> tuple[Subtask, ...]:
         """Return what a demonstrator does, one after another."""
+
+    def judge(self, host: Any) -> Judge:
+        """Return what says whether the task is solved: `is_success`, unless the host is asked, too.
+
+        Args:
+            host: What `make_host` built; it sees the physics that is stepped.
+        """
+        return self.is_success
 
     @abstractmethod
     def is_success(self, scene: Scene, touched: bool, motions: Sequence[ObjectMotion]) -> bool:
