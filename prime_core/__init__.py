@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from prime_core.contracts.training import Labels as Labels
     from prime_core.contracts.training import ModelContext as ModelContext
     from prime_core.contracts.training import TrainingContext as TrainingContext
+    from prime_core.deployment.exported_models import ExportedModels as ExportedModels
+    from prime_core.deployment.policy_runner import PolicyRunner as PolicyRunner
     from prime_core.errors import DemonstrationError as DemonstrationError
     from prime_core.errors import PrimeError as PrimeError
     from prime_core.hookspecs import hookimpl as hookimpl
@@ -59,6 +61,7 @@ _MODULES = {
     "EncoderConfig": "contracts.images",
     "Environment": "contracts.environment",
     "EnvironmentConfig": "contracts.environment",
+    "ExportedModels": "deployment.exported_models",
     "IdmConfig": "contracts.idm",
     "InverseDynamicsModel": "contracts.idm",
     "Labels": "contracts.training",
@@ -74,6 +77,7 @@ _MODULES = {
     "ParserConfig": "contracts.parser",
     "Perception": "contracts.perception",
     "PerceptionConfig": "contracts.perception",
+    "PolicyRunner": "deployment.policy_runner",
     "PrimeError": "errors",
     "Primitive": "contracts.primitive",
     "PrimitiveCall": "contracts.calls",
@@ -100,6 +104,7 @@ __all__ = [
     "EncoderConfig",
     "Environment",
     "EnvironmentConfig",
+    "ExportedModels",
     "IdmConfig",
     "InverseDynamicsModel",
     "Labels",
@@ -113,6 +118,7 @@ __all__ = [
     "ParameterSpace",
     "Parser",
     "ParserConfig",
+    "PolicyRunner",
     "PrimeError",
     "Primitive",
     "PrimitiveCall",

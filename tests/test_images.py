@@ -150,7 +150,12 @@ def test_seeds_models_and_variants_share_a_perception(tmp_path: Path) -> None:
     assert [name for name in stages if name.endswith("perception")] == ["perception"]
 
 
-@pytest.mark.parametrize("perceived_by", ["[idm]", "[policies]"])
+ONLY_SOMETIMES = [pytest.mark.slow, pytest.mark.campaign]
+
+
+@pytest.mark.parametrize(
+    "perceived_by", [pytest.param("[idm]", marks=ONLY_SOMETIMES), "[policies]"]
+)
 def test_either_model_may_see_through_the_perception(tmp_path: Path, perceived_by: str) -> None:
     job = experiment(tmp_path, f"perceived_by={perceived_by}", "compute.workers=0")
     (evaluation,) = job.evaluations.values()

@@ -34,5 +34,16 @@ UntilOption = Annotated[
     str | None, typer.Option("--until", metavar="STAGE", help="The last stage to run.")
 ]
 RUNS = Path("runs")
-OWN_COMMANDS = ("run", "show", "validate", "parse", "learn-primitives", "compare", "plugins")
+OWN_COMMANDS = (
+    "run",
+    "show",
+    "validate",
+    "parse",
+    "annotate",
+    "convert",
+    "learn-primitives",
+    "export-policy",
+    "compare",
+    "plugins",
+)
 """Prime's own commands, whose names no plugin can take."""

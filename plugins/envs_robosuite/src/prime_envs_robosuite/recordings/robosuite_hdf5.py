@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from prime_core.configuration import LocalPath
+from prime_core.configuration import ConfigDump, LocalPath
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.environment import CONTROL_FREQUENCY, EnvironmentConfig
 from prime_core.errors import DatasetError, DemonstrationError
@@ -21,8 +21,12 @@ from prime_envs_robosuite.recordings.hdf5_file import (
 )
 from prime_envs_robosuite.recordings.joint_states import JointState, read_joint_state
 from prime_envs_robosuite.recordings.recorded_model import RecordedModel
-from prime_envs_robosuite.recordings.recorded_settings import read_settings_of
-from prime_envs_robosuite.recordings.recorded_tasks import RECORDED_TASKS, recorded_task
+from prime_envs_robosuite.recordings.recorded_settings import read_settings_of, read_task_of
+from prime_envs_robosuite.recordings.recorded_tasks import (
+    RECORDED_TASKS,
+    environment_of,
+    recorded_task,
+)
 from prime_envs_robosuite.simulation.object_geoms import Geoms
 
 if TYPE_CHECKING:
@@ -59,6 +63,15 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
     def reads(cls, source: Path) -> bool:
         """Whether it is a file by one of HDF5's usual endings."""
         return source.is_file() and source.suffix.lower() in (".hdf5", ".h5")
+
+    def recorded_environment(self) -> ConfigDump:
+        """Return our environment of the task that the file names.
+
+        Raises:
+            DatasetError: If it cannot be read, or names none.
+        """
+        with open_file(self.path) as file, told(str(self.path), DatasetError):
+            return environment_of(read_task_of(self.path, data_of(self.path, file)))
 
     def count_available(self) -> int:
         """How many demonstrations the file has or the settings name."""

@@ -119,16 +119,22 @@ class _Run:
         self.state = trainer.context.folder / f"{name}.training.safetensors"
         self._trainer, self._name, self._network = trainer, name, network
         self._settings, self._epochs = settings, epochs
-        many: list[Tensor] = []
-        few: list[Tensor] = []
-        for key, value in network.named_parameters():
-            (few if key.endswith(("offsets", "log_precisions")) else many).append(value)
         rate, decay = settings.learning_rate, settings.weight_decay
-        groups = [
-            {"params": many, "first_lr": rate, "weight_decay": decay},
-            {"params": few, "first_lr": FAST * rate, "weight_decay": 0.0},
-        ]
-        self._optimiser = torch.optim.AdamW(groups, fused=True)
+        groups: dict[tuple[float, float], list[Tensor]] = {
+            (rate, decay): [],
+            (FAST * rate, 0.0): [],
+        }
+        for key, value in network.named_parameters():
+            few = key.endswith(("offsets", "log_precisions"))
+            own = (FAST * rate, 0.0) if few else (network.rate_share(key) * rate, decay)
+            groups.setdefault(own, []).append(value)
+        self._optimiser = torch.optim.AdamW(
+            [
+                {"params": values, "first_lr": first, "weight_decay": decay}
+                for (first, decay), values in groups.items()
+            ],
+            fused=True,
+        )
 
     def epoch(self, number: int, examples: Source) -> None:
         """Train for an epoch, whose draws depend on nothing before it."""
