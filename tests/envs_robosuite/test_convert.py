@@ -200,8 +200,9 @@ def test_what_cannot_be_done_is_told_and_leaves_nothing(
     assert refusal(missing, target) == f"{missing}: there is no such data set"
     door = record(tmp_path / "door.hdf5", {"env": "Door"}, demo_1=good(states))
     assert refusal(door, target) == (
-        f"{door}: was recorded in robosuite's 'Door'; there are environments of Lift, "
-        "PickPlaceMilk, PickPlaceBread, PickPlaceCereal, PickPlaceCan"
+        "environment 'robosuite/task': robosuite's Door has joints (Door_hinge, Door_latch_joint) "
+        "of things that are fixed; what is missing are objects that lie loose (a free joint): "
+        "scenes tell of those alone"
     )
     untold = record(tmp_path / "untold.hdf5", {}, demo_1=good(states))
     assert "names no recorded task: it has neither an attribute 'env'" in refusal(untold, target)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.errors import DatasetError
+from prime_core.registry.fields import read_settings
 from prime_envs_robosuite.config import LiftConfig, PickPlaceConfig, StackConfig, TaskConfig
 from prime_envs_robosuite.environment import RobosuiteEnvironment
 from prime_envs_robosuite.recordings.recorded_tasks import (
@@ -53,7 +54,7 @@ def read_one(path: Path, config: EnvironmentConfig) -> Demonstration:
 
 @pytest.mark.parametrize("name", [*RECORDED_TASKS, "ToolHang"])
 def test_each_recorded_task_has_its_environment(name: str) -> None:
-    config = environment_of(name)
+    config = read_settings(EnvironmentConfig, environment_of(name))
     assert recorded_task(config, "x") == name
     assert recorded_task(TaskConfig(name=name, horizon=9), "x") == name
     objects = build(config).task.body_names

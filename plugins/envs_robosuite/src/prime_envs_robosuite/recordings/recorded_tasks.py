@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from prime_core.configuration import ConfigDump
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.errors import DatasetError
 from prime_envs_robosuite.config import (
@@ -20,41 +21,53 @@ class RecordedTask:
     """A task of robosuite's that people record.
 
     Attributes:
-        environment: Ours, with the settings that choose the task.
+        type: Of our environment.
+        config_class: Of its settings.
+        choice: The settings that choose the task.
         objects: robosuite's names of all objects in its recordings, in the order of their states;
             with one object to be moved it keeps the others, out of the way.
     """
 
-    environment: RobosuiteConfig
+    type: str
+    config_class: type[RobosuiteConfig]
+    choice: dict[str, str]
     objects: tuple[str, ...]
 
 
-RECORDED_TASKS: dict[str, RecordedTask] = {
-    "Lift": RecordedTask(LiftConfig(), ("cube",)),
-    "Stack": RecordedTask(StackConfig(), ("cubeA", "cubeB")),
-    "PickPlace": RecordedTask(PickPlaceConfig(object="all"), GROCERIES),
-    "PickPlaceMilk": RecordedTask(PickPlaceConfig(object="milk"), GROCERIES),
-    "PickPlaceBread": RecordedTask(PickPlaceConfig(object="bread"), GROCERIES),
-    "PickPlaceCereal": RecordedTask(PickPlaceConfig(object="cereal"), GROCERIES),
-    "PickPlaceCan": RecordedTask(PickPlaceConfig(object="can"), GROCERIES),
-    "NutAssembly": RecordedTask(NutAssemblyConfig(nut="both"), NUTS),
-    "NutAssemblySquare": RecordedTask(NutAssemblyConfig(nut="square"), NUTS),
-    "NutAssemblyRound": RecordedTask(NutAssemblyConfig(nut="round"), NUTS),
+def _pick_place(choice: str) -> RecordedTask:
+    return RecordedTask("robosuite/pick-place", PickPlaceConfig, {"object": choice}, GROCERIES)
+
+
+def _nut_assembly(choice: str) -> RecordedTask:
+    return RecordedTask("robosuite/nut-assembly", NutAssemblyConfig, {"nut": choice}, NUTS)
+
+
+RECORDED_TASKS = {
+    "Lift": RecordedTask("robosuite/lift", LiftConfig, {}, ("cube",)),
+    "Stack": RecordedTask("robosuite/stack", StackConfig, {}, ("cubeA", "cubeB")),
+    "PickPlace": _pick_place("all"),
+    "PickPlaceMilk": _pick_place("milk"),
+    "PickPlaceBread": _pick_place("bread"),
+    "PickPlaceCereal": _pick_place("cereal"),
+    "PickPlaceCan": _pick_place("can"),
+    "NutAssembly": _nut_assembly("both"),
+    "NutAssemblySquare": _nut_assembly("square"),
+    "NutAssemblyRound": _nut_assembly("round"),
 }
 """By robosuite's name of the task, which a recording's ``env`` or ``env_name`` says. Recordings of
 all other tasks fit ``robosuite/task`` of that name."""
 
-CHOICES = ("object", "nut")  # the settings that choose the task
 
-
-def environment_of(name: str) -> RobosuiteConfig:
-    """Return our environment for the recordings of a task.
+def environment_of(name: str) -> ConfigDump:
+    """Return our environment for the recordings of a task, as plain data with its ``type``.
 
     Args:
         name: robosuite's name of it; it need not be one that there is.
     """
     known = RECORDED_TASKS.get(name)
-    return TaskConfig(name=name) if known is None else known.environment
+    if known is None:
+        return {"type": "robosuite/task", "name": name}
+    return {"type": known.type, **known.choice}
 
 
 def recorded_task(environment: EnvironmentConfig, demonstrator: str) -> str:
@@ -69,17 +82,13 @@ def recorded_task(environment: EnvironmentConfig, demonstrator: str) -> str:
     """
     if isinstance(environment, TaskConfig):
         return environment.name
-    wanted = _choice(environment)
     for name, known in RECORDED_TASKS.items():
-        if _choice(known.environment) == wanted:
+        if isinstance(environment, known.config_class) and all(
+            getattr(environment, key) == value for key, value in known.choice.items()
+        ):
             return name
     raise DatasetError(
         f"demonstrator {demonstrator!r} reads recordings of robosuite's tasks "
         f"({', '.join(RECORDED_TASKS)}, or any other in 'robosuite/task'); there are none of "
         f"{type(environment).__name__}"
     )
-
-
-def _choice(environment: EnvironmentConfig) -> tuple[object, ...]:
-    """Return what tells the task of an environment: its class and what is to be moved."""
-    return type(environment), *(getattr(environment, key, None) for key in CHOICES)

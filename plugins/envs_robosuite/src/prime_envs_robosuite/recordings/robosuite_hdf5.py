@@ -21,8 +21,12 @@ from prime_envs_robosuite.recordings.hdf5_file import (
 )
 from prime_envs_robosuite.recordings.joint_states import JointState, read_joint_state
 from prime_envs_robosuite.recordings.recorded_model import RecordedModel
-from prime_envs_robosuite.recordings.recorded_settings import read_settings_of
-from prime_envs_robosuite.recordings.recorded_tasks import RECORDED_TASKS, recorded_task
+from prime_envs_robosuite.recordings.recorded_settings import read_settings_of, read_task_of
+from prime_envs_robosuite.recordings.recorded_tasks import (
+    RECORDED_TASKS,
+    environment_of,
+    recorded_task,
+)
 from prime_envs_robosuite.simulation.object_geoms import Geoms
 
 if TYPE_CHECKING:
@@ -31,14 +35,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NAME = "robosuite-hdf5"
-ENVIRONMENTS: dict[str, ConfigDump] = {
-    "Lift": {"type": "robosuite/lift"},
-    **{
-        f"PickPlace{name.capitalize()}": {"type": "robosuite/pick-place", "object": name}
-        for name in ("milk", "bread", "cereal", "can")
-    },
-}
-"""Ours by robosuite's name of the task."""
 OSC_WIDTH = 7  # displacement, rotation vector, gripper
 CLOCK_TOLERANCE = 1e-3  # [s]
 
@@ -72,16 +68,10 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
         """Return our environment of the task that the file names.
 
         Raises:
-            DatasetError: If it cannot be read, or names none that is known here.
+            DatasetError: If it cannot be read, or names none.
         """
         with open_file(self.path) as file, told(str(self.path), DatasetError):
-            task = read_task_of(self.path, data_of(self.path, file))
-        if task not in ENVIRONMENTS:
-            raise DatasetError(
-                f"{self.path}: was recorded in robosuite's {task!r}; there are environments of "
-                f"{', '.join(ENVIRONMENTS)}"
-            )
-        return dict(ENVIRONMENTS[task])
+            return environment_of(read_task_of(self.path, data_of(self.path, file)))
 
     def count_available(self) -> int:
         """How many demonstrations the file has or the settings name."""
