@@ -14,6 +14,7 @@ from typing import Any, TextIO
 import typer
 
 from prime_core.cli.compare import compare
+from prime_core.cli.export import export
 from prime_core.cli.learn_primitives import learn_primitives
 from prime_core.cli.options import OWN_COMMANDS
 from prime_core.cli.output import answering, given_back, output_apart, tell
@@ -39,7 +40,7 @@ def build_app(stream: TextIO) -> typer.Typer:
         stream: Standard output, as `output_apart` gave it.
     """
     app = _empty_app()
-    for command in (run, show, validate, parse, learn_primitives, compare, plugins):
+    for command in (run, show, validate, parse, learn_primitives, export, compare, plugins):
         app.command()(_of_prime(command))
     from prime_core.registry.loading import load_plugins
 

@@ -34,5 +34,14 @@ UntilOption = Annotated[
     str | None, typer.Option("--until", metavar="STAGE", help="The last stage to run.")
 ]
 RUNS = Path("runs")
-OWN_COMMANDS = ("run", "show", "validate", "parse", "learn-primitives", "compare", "plugins")
+OWN_COMMANDS = (
+    "run",
+    "show",
+    "validate",
+    "parse",
+    "learn-primitives",
+    "export",
+    "compare",
+    "plugins",
+)
 """Prime's own commands, whose names no plugin can take."""

@@ -45,8 +45,12 @@ def open_run(folder: Path) -> Experiment:
     return Experiment(read_experiment(path), folder)
 
 
-def beside(source: Path) -> Path:
-    """Return where the parsed data set of a source is written unless told: beside it.
+def beside(source: Path, ending: str = "-parsed") -> Path:
+    """Return where what is made of a source is written unless told: beside it.
+
+    Args:
+        source: A file or folder.
+        ending: What its name is followed by.
 
     Raises:
         ConfigurationError: If nothing can lie beside it.
@@ -56,7 +60,7 @@ def beside(source: Path) -> Path:
     whole = source if source.name not in ("", "..") else source.resolve()
     if not whole.name:
         raise ConfigurationError(f"{source}: nothing can lie beside it: say --out FOLDER")
-    return whole.with_name(f"{whole.name}-parsed")
+    return whole.with_name(f"{whole.name}{ending}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,6 +27,7 @@ from prime_core.errors import PrimeError
 from prime_envs_robosuite.pictures.cameras import Cameras, Meshes
 from prime_envs_robosuite.simulation.controller_commands import controller_command
 from prime_envs_robosuite.simulation.panda_simulation import Simulation
+from prime_envs_robosuite.simulation.physics_model import model_xml
 from prime_envs_robosuite.simulation.robot_description import describe_robot
 from prime_envs_robosuite.simulation.stepping import Stepping
 from prime_envs_robosuite.tasks.task import Task
@@ -186,6 +187,26 @@ class RobosuiteEnvironment(Environment):
         self._elapsed = 0
         self._gripper_command = None
         self._scene = None
+
+    def joint_states(self, states: Array) -> Array:
+        """Return time [s], ``qpos`` and ``qvel`` of states: what robosuite records of them.
+
+        Args:
+            states: What `get_state` returned, ``(N, n)``.
+
+        Returns:
+            ``(N, 1 + nq + nv)``.
+        """
+        model = self._simulation.model
+        return states[:, : 1 + int(model.nq) + int(model.nv)]
+
+    def model_xml(self) -> str:
+        """Return the model that the joints are of, with absolute names of robosuite's files."""
+        return model_xml(self._simulation.host)
+
+    def controller_settings(self) -> dict[str, Any]:
+        """Return the settings of the arm's controller as robosuite takes them."""
+        return dict(self._simulation.host.robots[0].composite_controller_config)
 
     def render(self) -> NDArray[np.uint8]:
         """Return a picture of the whole scene, ``(256, 256, 3)``."""

@@ -15,6 +15,9 @@ from prime_core.errors import DatasetError, DemonstrationError, PrimeError
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MOST_NUMBERS = 20_000_000
 """In an array of a demonstration; an hour of Lift has a tenth of it."""
+SIMULATOR_STATES = "simulator_states"
+"""In a demonstration that prime wrote: whole states of each frame, the one after the last action
+included. No other program reads it."""
 LAYOUTS = (
     "Expected is the layout of robosuite's collect_human_demonstrations or of robomimic: a group "
     "'data' with a group for each demonstration"
