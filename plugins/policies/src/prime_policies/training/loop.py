@@ -1,6 +1,5 @@
 """The one training loop: resumable, seeded, and it stops where numbers are not finite."""
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -139,7 +138,8 @@ class _Run:
         device = next(self._network.parameters()).device
         for step, chosen in enumerate(draws, start=number * steps):
             for group in self._optimiser.param_groups:
-                group["lr"] = group["first_lr"] * falling(step, self._epochs * steps)
+                share = self._settings.share_of_rate(step, self._epochs * steps)
+                group["lr"] = group["first_lr"] * share
             batch = examples.batch(chosen)
             loss = self._network.loss(type(batch)(*(part.to(device) for part in batch)), noise)
             self._optimiser.zero_grad()
@@ -179,8 +179,3 @@ class _Run:
         self._network.load_state_dict(weights)
         self._optimiser.load_state_dict({**self._optimiser.state_dict(), "state": moments})
         return int(notes["epoch"])
-
-
-def falling(step: int, steps: int) -> float:
-    """Return the share of the learning rate at a step, counted from 0: half a cosine."""
-    return 0.5 * (1 + math.cos(math.pi * step / steps))

@@ -1,5 +1,6 @@
 """Settings that all networks share, and those of their training."""
 
+import math
 from typing import Annotated, ClassVar
 
 from pydantic import Field
@@ -21,6 +22,10 @@ class TrainingSettings(Config):
     """Of AdamW at the start; it falls to zero by half a cosine."""
     weight_decay: Share = 1e-3
     """Decoupled, of AdamW; offsets and precisions of mixtures have none."""
+
+    def share_of_rate(self, step: int, steps: int) -> float:
+        """Return the share of the learning rate at one of some steps, counted from 0."""
+        return 0.5 * (1 + math.cos(math.pi * step / steps))
 
 
 class NetworkSettings(TrainableConfig, TrainingSettings):
