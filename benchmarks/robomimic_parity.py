@@ -65,6 +65,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=100, help="of an epoch")
     parser.add_argument("--trials", type=int, default=30, help="of each network")
     parser.add_argument("--maximum-steps", type=int, default=400, help="of a trial")
+    parser.add_argument("--so-far", action="store_true", help="train no more, judge what is there")
     parser.add_argument("--results", type=Path, help="JSON file; in the folder if not given")
     options = parser.parse_args()
     python = peer_environment(options.out / "environment")
@@ -82,9 +83,12 @@ def main() -> None:
     with threads():
         for seed in options.seeds:
             folder = options.out / f"seed-{seed}"
-            epochs = train_by_turns(data, settings, seed, folder, python)
-            networks = load_epochs(data, settings, seed, folder)
-            seeds[seed] = judge(data, networks, epochs)
+            if not options.so_far:
+                train_by_turns(data, settings, seed, folder, python)
+            elif not (folder / THEIRS / "log.json").exists():
+                break
+            networks = load_epochs(data, settings, folder)
+            seeds[seed] = judge(data, networks, folder)
             for name, every in networks.items():
                 found = solved(data, every[-1], seed, options.trials, options.maximum_steps)
                 seeds[seed][name]["solved"] = found
@@ -188,8 +192,8 @@ def _write_inputs(
 
 def train_by_turns(
     data: Data, settings: BcRnnConfig, seed: int, folder: Path, python: Path
-) -> dict[str, Any]:
-    """Train both, an epoch each in turn, and return what they cost, epoch by epoch."""
+) -> None:
+    """Train both, an epoch each in turn, and keep what each costs."""
     script = Path(__file__).with_name("robomimic_training.py")
     arguments = [data.inputs, folder / THEIRS, seed, settings.steps_per_epoch]
     peer = subprocess.Popen(
@@ -199,16 +203,15 @@ def train_by_turns(
         text=True,
     )
     assert peer.stdin and peer.stdout
-    costs = folder / "ours.json"
+    costs = folder / f"{OURS}.json"
     seconds: dict[str, float] = json.loads(costs.read_text()) if costs.exists() else {}
-    log: list[dict[str, float]] = []
     begin: float | None = None  # before the first epoch the data is looked at
 
     def turn(epoch: int, total: int) -> None:
-        nonlocal log, begin
+        nonlocal begin
         if begin is not None:
             seconds[str(epoch)] = round(time.process_time() - begin, 2)
-        log = ask(peer, epoch)
+        ask(peer, epoch)
         with new_file(costs) as partial:
             partial.write_text(json.dumps(seconds))
         print(f"seed {seed}: {epoch} of {total} epochs", flush=True)
@@ -216,30 +219,28 @@ def train_by_turns(
 
     context = TrainingContext(**vars(data.context), folder=folder / OURS, seed=seed, progress=turn)
     settings.fit(None, data.shown, context)
-    log = ask(peer, settings.epochs)
+    ask(peer, settings.epochs)
     peer.stdin.close()
     peer.wait()
-    return {OURS: seconds, THEIRS: log}
 
 
-def ask(peer: Any, epochs: int) -> list[dict[str, float]]:
-    """Let robomimic train until so many epochs are finished, and return what it tells of them."""
+def ask(peer: Any, epochs: int) -> None:
+    """Let robomimic train until so many epochs are finished."""
     with contextlib.suppress(BrokenPipeError):
         peer.stdin.write(f"{epochs}\n")
         peer.stdin.flush()
-    answer = peer.stdout.readline()
-    if not answer:
+    if not peer.stdout.readline():
         raise SystemExit("robomimic's process ended; what it said is above")
-    found: list[dict[str, float]] = json.loads(answer)
-    return found
 
 
 def load_epochs(
-    data: Data, settings: BcRnnConfig, seed: int, folder: Path
+    data: Data, settings: BcRnnConfig, folder: Path
 ) -> dict[str, list[Callable[[], BcRnn]]]:
-    """Return what loads the network of each, after each epoch, the oldest first."""
-    ours = sorted((folder / OURS).glob("checkpoint_*"))
-    theirs = sorted((folder / THEIRS).glob("epoch_*.npz"))[: len(ours)]
+    """Return what loads the network of each, after each epoch that both have finished."""
+    ours = sorted(path.parent for path in (folder / OURS).glob("checkpoint_*/*.json"))
+    count = min(len(ours), len(json.loads((folder / THEIRS / "log.json").read_text())))
+    ours = ours[:count]
+    theirs = sorted((folder / THEIRS).glob("epoch_*.npz"))[:count]
     scaling = load_bc_rnn(settings, ours[-1], data.context)[0].scaling
 
     def of_ours(path: Path) -> BcRnn:
@@ -275,7 +276,7 @@ def as_ours(path: Path) -> dict[str, torch.Tensor]:
 
 @torch.inference_mode()
 def judge(
-    data: Data, networks: dict[str, list[Callable[[], BcRnn]]], costs: dict[str, Any]
+    data: Data, networks: dict[str, list[Callable[[], BcRnn]]], folder: Path
 ) -> dict[str, Any]:
     """Return losses and seconds a step after each epoch."""
     result: dict[str, Any] = {}
@@ -290,11 +291,12 @@ def judge(
                 loss = network.loss(windows.batch(chosen), torch.Generator())
                 curves[key].append(round(float(loss), 4))
         result[name] = {"loss": curves["train"], "held_out": curves["valid"]}
-    log = costs[THEIRS][: len(networks[OURS])]
+    log = json.loads((folder / THEIRS / "log.json").read_text())[: len(networks[OURS])]
+    seconds = json.loads((folder / f"{OURS}.json").read_text())
     own = [round(item["held_out"], 4) for item in log]
     if max(abs(a - b) for a, b in zip(own, result[THEIRS]["held_out"], strict=True)) > AGREE:
         raise SystemExit(f"robomimic finds {own}, our code {result[THEIRS]['held_out']}")
-    result[OURS]["seconds"] = [costs[OURS].get(str(epoch + 1)) for epoch in range(len(log))]
+    result[OURS]["seconds"] = [seconds.get(str(epoch + 1)) for epoch in range(len(log))]
     result[THEIRS]["seconds"] = [round(item["seconds"], 2) for item in log]
     result[THEIRS]["loading_share"] = [round(item["loading_share"], 3) for item in log]
     result[THEIRS]["squared_gradient"] = [round(item["squared_gradient"], 2) for item in log]
@@ -313,11 +315,13 @@ def solved(data: Data, load: Callable[[], BcRnn], seed: int, trials: int, most: 
 
 
 def summary(seeds: dict[int, Any]) -> dict[str, Any]:
-    """Return means and ranges over seeds."""
+    """Return means and ranges over seeds, of the epochs that all of them have."""
     result: dict[str, Any] = {}
+    count = min(len(one[OURS]["loss"]) for one in seeds.values())
     for kind in ("loss", "held_out"):
         curves = {
-            name: np.array([one[name][kind] for one in seeds.values()]) for name in (OURS, THEIRS)
+            name: np.array([one[name][kind][:count] for one in seeds.values()])
+            for name in (OURS, THEIRS)
         }
         for name, values in curves.items():
             result.setdefault(name, {})[kind] = {

@@ -6,8 +6,8 @@ That script makes an environment with robomimic and runs this one in it:
 
 INPUTS.hdf5 holds ``obs/features`` and ``actions`` of each demonstration, which the filter keys
 ``train`` and ``valid`` name. A line of standard input is a number of epochs to have finished; it is
-answered by what is known of each. The weights after an epoch are in ``FOLDER/epoch_NNNN.npz``; what
-was trained before is not trained again.
+answered by the number of those that are. What is known of each is in ``FOLDER/log.json``, the
+weights after it in ``FOLDER/epoch_NNNN.npz``; what was trained before is not trained again.
 """
 
 import json
@@ -28,7 +28,7 @@ def main(inputs: Path, folder: Path, seed: int, steps: int) -> None:
     for line in sys.stdin:
         while len(trained.log) < int(line):
             trained.epoch()
-        print(json.dumps(trained.log), file=answers)
+        print(len(trained.log), file=answers)
 
 
 class Trained:
@@ -91,6 +91,7 @@ class Trained:
         partial = self._state.with_suffix(".partial")
         torch.save(state, partial)
         partial.replace(self._state)
+        (self._folder / "log.json").write_text(json.dumps(self.log))
 
     def _held_out_loss(self, number: int) -> float:
         """Return robomimic's loss on all held-out windows, with the spreads that it trains with."""
