@@ -14,11 +14,10 @@ itself finds. What is finished is kept: the same command goes on from there.
 import argparse
 import contextlib
 import json
-import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,12 +25,12 @@ from typing import Any
 import h5py
 import numpy as np
 import torch
+from robomimic_judging import OURS, THEIRS, TRAIN, VALID, Networks, judge, solved, summary
 
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Environment, EnvironmentConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
-from prime_core.execution.trial import run_trial
 from prime_core.experiments.export_run import export_run, read_exporter
 from prime_core.experiments.parse_dataset import open_run
 from prime_core.experiments.results.provenance import versions
@@ -39,19 +38,14 @@ from prime_core.files import new_file
 from prime_core.learning.scene_features import FeatureEncoder
 from prime_core.registry.fields import dump_choice, read_settings
 from prime_envs_robosuite.recordings.robosuite_hdf5 import RobosuiteHdf5Config
-from prime_policies.motor.bc_rnn import BcRnn
 from prime_policies.motor.config import BcRnnConfig
-from prime_policies.motor.fitting import load_bc_rnn
-from prime_policies.motor.policy import BcRnnPolicy
+from prime_policies.motor.scaling import Scaling
 from prime_policies.motor.windows import Windows
 from prime_policies.training.repeatable import threads
 
 PINS = ("robomimic==0.3.0", "torch==2.11.0", "numpy<2", "scipy<1.14", "h5py", "six")
 """What robomimic 0.3.0, the newest in the package index, was found to work with."""
-HELD_OUT = 10  # every so manieth demonstration
-LOOKED_AT = 1000  # windows that a loss is the mean of
-AGREE = 1e-3  # nats that two codes may differ by for the same weights
-OURS, THEIRS = "ours", "robomimic"
+HELD_OUT = 10  # one of so many demonstrations
 
 
 def main() -> None:
@@ -87,10 +81,12 @@ def main() -> None:
                 train_by_turns(data, settings, seed, folder, python)
             elif not (folder / THEIRS / "log.json").exists():
                 break
-            networks = load_epochs(data, settings, folder)
-            seeds[seed] = judge(data, networks, folder)
-            for name, every in networks.items():
-                found = solved(data, every[-1], seed, options.trials, options.maximum_steps)
+            networks = Networks(folder, settings, data.context)
+            seeds[seed] = judge(networks, data.parts)
+            for name in (OURS, THEIRS):
+                network = networks.after(name, len(networks))
+                trials = seed, options.trials, options.maximum_steps
+                found = solved(data.environment, network, settings.horizon, *trials)
                 seeds[seed][name]["solved"] = found
             results |= {"trials": options.trials, "seeds": seeds, "summary": summary(seeds)}
             with new_file(options.results or options.out / "results.json") as partial:
@@ -154,10 +150,11 @@ class Data:
         encoder = FeatureEncoder(built.description)
         held_out = good[HELD_OUT - 1 :: HELD_OUT]
         shown = [item for item in good if item not in held_out]
-        pairs = {"train": shown, "valid": held_out}
-        parts = {key: Windows(items, encoder, 10, key) for key, items in pairs.items()}
-        scaled = BcRnn(encoder.width, parts["train"].actions.shape[1], BcRnnConfig()).scaling
-        scaled.measure([parts["train"].features], [parts["train"].actions])
+        pairs = {TRAIN: shown, VALID: held_out}
+        horizon = BcRnnConfig().horizon
+        parts = {key: Windows(items, encoder, horizon, key) for key, items in pairs.items()}
+        scaled = Scaling(encoder.width, parts[TRAIN].actions.shape[1])
+        scaled.measure([parts[TRAIN].features], [parts[TRAIN].actions])
         with new_file(inputs) as partial, h5py.File(partial, "w") as written:
             for key, items in pairs.items():
                 _write_inputs(written, key, items, encoder, scaled)
@@ -175,7 +172,7 @@ class Data:
 
 
 def _write_inputs(
-    file: Any, key: str, items: Sequence[Demonstration], encoder: FeatureEncoder, scaled: Any
+    file: Any, key: str, items: Sequence[Demonstration], encoder: FeatureEncoder, scaled: Scaling
 ) -> None:
     """Write demonstrations as robomimic reads them, normalised as our network normalises."""
     names: list[str] = []
@@ -231,118 +228,6 @@ def ask(peer: Any, epochs: int) -> None:
         peer.stdin.flush()
     if not peer.stdout.readline():
         raise SystemExit("robomimic's process ended; what it said is above")
-
-
-def load_epochs(
-    data: Data, settings: BcRnnConfig, folder: Path
-) -> dict[str, list[Callable[[], BcRnn]]]:
-    """Return what loads the network of each, after each epoch that both have finished."""
-    ours = sorted(path.parent for path in (folder / OURS).glob("checkpoint_*/*.json"))
-    count = min(len(ours), len(json.loads((folder / THEIRS / "log.json").read_text())))
-    ours = ours[:count]
-    theirs = sorted((folder / THEIRS).glob("epoch_*.npz"))[:count]
-    scaling = load_bc_rnn(settings, ours[-1], data.context)[0].scaling
-
-    def of_ours(path: Path) -> BcRnn:
-        return load_bc_rnn(settings, path, data.context)[0]
-
-    def of_theirs(path: Path) -> BcRnn:
-        network = BcRnn(len(scaling.mean), len(scaling.low), settings)
-        network.load_state_dict(
-            {**as_ours(path), **{f"scaling.{k}": v for k, v in scaling.state_dict().items()}}
-        )
-        return network
-
-    return {
-        OURS: [lambda path=path: of_ours(path) for path in ours],  # type: ignore[misc]
-        THEIRS: [lambda path=path: of_theirs(path) for path in theirs],  # type: ignore[misc]
-    }
-
-
-def as_ours(path: Path) -> dict[str, torch.Tensor]:
-    """Return the weights of robomimic's network under our network's names."""
-    found = {key: torch.from_numpy(value) for key, value in np.load(path).items()}
-    layers = "nets.rnn.nets."
-    result = {
-        f"recurrent.{key.removeprefix(layers)}": value
-        for key, value in found.items()
-        if key.startswith(layers)
-    }
-    for kind in ("weight", "bias"):  # one layer of ours holds its three
-        parts = [found[f"nets.decoder.nets.{head}.{kind}"] for head in ("logits", "mean", "scale")]
-        result[f"head.{kind}"] = torch.cat(parts)
-    return result
-
-
-@torch.inference_mode()
-def judge(
-    data: Data, networks: dict[str, list[Callable[[], BcRnn]]], folder: Path
-) -> dict[str, Any]:
-    """Return losses and seconds a step after each epoch."""
-    result: dict[str, Any] = {}
-    for name, epochs in networks.items():
-        curves: dict[str, list[float]] = {key: [] for key in data.parts}
-        for load in epochs:
-            network = load()
-            for key, windows in data.parts.items():
-                chosen = torch.linspace(0, len(windows) - 1, LOOKED_AT).long()
-                if key == "valid":  # all of them, as robomimic looks at them
-                    chosen = torch.arange(len(windows))
-                loss = network.loss(windows.batch(chosen), torch.Generator())
-                curves[key].append(round(float(loss), 4))
-        result[name] = {"loss": curves["train"], "held_out": curves["valid"]}
-    log = json.loads((folder / THEIRS / "log.json").read_text())[: len(networks[OURS])]
-    seconds = json.loads((folder / f"{OURS}.json").read_text())
-    own = [round(item["held_out"], 4) for item in log]
-    if max(abs(a - b) for a, b in zip(own, result[THEIRS]["held_out"], strict=True)) > AGREE:
-        raise SystemExit(f"robomimic finds {own}, our code {result[THEIRS]['held_out']}")
-    result[OURS]["seconds"] = [seconds.get(str(epoch + 1)) for epoch in range(len(log))]
-    result[THEIRS]["seconds"] = [round(item["seconds"], 2) for item in log]
-    result[THEIRS]["loading_share"] = [round(item["loading_share"], 3) for item in log]
-    result[THEIRS]["squared_gradient"] = [round(item["squared_gradient"], 2) for item in log]
-    return result
-
-
-def solved(data: Data, load: Callable[[], BcRnn], seed: int, trials: int, most: int) -> int:
-    """Return how many trials a network solves; the first states are the same for both."""
-    encoder = FeatureEncoder(data.environment.description)
-    policy = BcRnnPolicy(load(), encoder, 10)
-    found = [
-        run_trial(data.environment, (), policy, np.random.default_rng([seed, number]), most)
-        for number in range(trials)
-    ]
-    return sum(trial.success for trial in found)
-
-
-def summary(seeds: dict[int, Any]) -> dict[str, Any]:
-    """Return means and ranges over seeds, of the epochs that all of them have."""
-    result: dict[str, Any] = {}
-    count = min(len(one[OURS]["loss"]) for one in seeds.values())
-    for kind in ("loss", "held_out"):
-        curves = {
-            name: np.array([one[name][kind][:count] for one in seeds.values()])
-            for name in (OURS, THEIRS)
-        }
-        for name, values in curves.items():
-            result.setdefault(name, {})[kind] = {
-                "mean": values.mean(axis=0).round(3).tolist(),
-                "least": values.min(axis=0).tolist(),
-                "greatest": values.max(axis=0).tolist(),
-            }
-        low = np.maximum(*(values.min(axis=0) for values in curves.values()))
-        high = np.minimum(*(values.max(axis=0) for values in curves.values()))
-        overlap = int((low <= high).sum())
-        result[f"epochs_whose_ranges_of_{kind}_overlap"] = f"{overlap} of {len(low)}"
-    ratios = [
-        ours / theirs
-        for one in seeds.values()
-        for ours, theirs in zip(one[OURS]["seconds"], one[THEIRS]["seconds"], strict=True)
-        if ours is not None  # the first epoch after a start has no time
-    ]
-    result["seconds_a_step_ours_to_robomimic"] = round(statistics.median(ratios), 3)
-    for name in (OURS, THEIRS):
-        result[name]["solved"] = [one[name]["solved"] for one in seeds.values()]
-    return result
 
 
 if __name__ == "__main__":
