@@ -78,7 +78,8 @@ def export_run(run: Path, exporter: ExporterConfig, target: Path | None, shown: 
             "--until demonstrations makes them"
         )
     check_left_out(stage.left_out(), total, strict=False)
-    target = target or beside(run, f"-{dump_choice(exporter)['type']}{exporter.suffix}")
+    name = dump_choice(exporter)["type"].replace("/", "-")
+    target = target or beside(run, f"-{name}{exporter.suffix}")
     if target.exists():
         raise DatasetError(f"{target}: is there already: choose another place with --out")
     steps: list[int] = []
