@@ -8,7 +8,7 @@ VENV := .venv
 PYTHON ?= $(firstword $(shell for name in python3.12 python3 python; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 12))' 2>/dev/null && echo $$name; done))
 DISTRIBUTIONS := . $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
-PACKAGES := $(addprefix --editable ,$(DISTRIBUTIONS)) --group dev 'lerobot[dataset]' pip
+PACKAGES := $(addprefix --editable ,$(DISTRIBUTIONS)) --group dev 'lerobot[dataset,diffusion]' pip
 INSTALLED := $(VENV)/.installed
 
 # uv resolves and unpacks in a minute what takes pip ten. It need not be there: it comes first.

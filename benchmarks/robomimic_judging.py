@@ -13,9 +13,9 @@ from prime_core.contracts.environment import Environment
 from prime_core.contracts.training import ModelContext
 from prime_core.execution.trial import run_trial
 from prime_core.learning.scene_features import FeatureEncoder
-from prime_policies.motor.bc_rnn import BcRnn
+from prime_policies.motor.bc_rnn import BcRnn, bc_rnn
 from prime_policies.motor.config import BcRnnConfig
-from prime_policies.motor.fitting import load_bc_rnn
+from prime_policies.motor.fitting import load_network
 from prime_policies.motor.policy import BcRnnPolicy
 from prime_policies.motor.windows import Windows
 
@@ -50,7 +50,8 @@ class Networks:
 
     def after(self, name: str, epoch: int) -> BcRnn:
         """Return ours or robomimic's after an epoch, counted from 1."""
-        ours, _ = load_bc_rnn(self._settings, self._ours / f"checkpoint_{epoch:02d}", self._context)
+        folder = self._ours / f"checkpoint_{epoch:02d}"
+        ours, _ = load_network(bc_rnn(self._settings), folder, self._context)
         if name == THEIRS:
             weights = as_ours(self._theirs / f"epoch_{epoch:04d}.npz")
             ours.load_state_dict({**ours.state_dict(), **weights})  # with our scaling

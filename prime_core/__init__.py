@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from prime_core.contracts.training import Labels as Labels
     from prime_core.contracts.training import ModelContext as ModelContext
     from prime_core.contracts.training import TrainingContext as TrainingContext
+    from prime_core.deployment.exported_models import ExportedModels as ExportedModels
+    from prime_core.deployment.policy_runner import PolicyRunner as PolicyRunner
     from prime_core.errors import DemonstrationError as DemonstrationError
     from prime_core.errors import PrimeError as PrimeError
     from prime_core.hookspecs import hookimpl as hookimpl
@@ -60,6 +62,7 @@ _MODULES = {
     "EncoderConfig": "contracts.images",
     "Environment": "contracts.environment",
     "EnvironmentConfig": "contracts.environment",
+    "ExportedModels": "deployment.exported_models",
     "ExporterConfig": "contracts.exporter",
     "IdmConfig": "contracts.idm",
     "InverseDynamicsModel": "contracts.idm",
@@ -76,6 +79,7 @@ _MODULES = {
     "ParserConfig": "contracts.parser",
     "Perception": "contracts.perception",
     "PerceptionConfig": "contracts.perception",
+    "PolicyRunner": "deployment.policy_runner",
     "PrimeError": "errors",
     "Primitive": "contracts.primitive",
     "PrimitiveCall": "contracts.calls",
@@ -102,6 +106,7 @@ __all__ = [
     "EncoderConfig",
     "Environment",
     "EnvironmentConfig",
+    "ExportedModels",
     "IdmConfig",
     "InverseDynamicsModel",
     "Labels",
@@ -115,6 +120,7 @@ __all__ = [
     "ParameterSpace",
     "Parser",
     "ParserConfig",
+    "PolicyRunner",
     "PrimeError",
     "Primitive",
     "PrimitiveCall",

@@ -1,6 +1,9 @@
 """Files and folders that are there whole or not at all: made aside, then renamed."""
 
+import ctypes
+import os
 import shutil
+import sys
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,12 +34,28 @@ def new_file(path: Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
+def exchange(left: Path, right: Path) -> bool:
+    """Give two files or folders each other's names, in one step.
+
+    Returns:
+        Whether it was done: only Linux can, and not on every file system.
+    """
+    if not sys.platform.startswith("linux"):
+        return False
+    rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
+    if rename is None:
+        return False
+    here, both = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
+    return bool(rename(here, os.fsencode(left), here, os.fsencode(right), both) == 0)
+
+
 @contextmanager
 def new_folder(path: Path) -> Iterator[Path]:
     """Give an empty folder to fill; at the end it takes the place of ``path``.
 
-    A folder that is there is moved aside first and removed last, so that one of the two is
-    whole at any time.
+    One that is there is exchanged for the new one in a single step where the system can do that;
+    elsewhere it is moved aside first. It is removed last, so that one of the two is whole at any
+    time.
 
     Args:
         path: The folder. Its parent is made if need be.
@@ -52,6 +71,8 @@ def new_folder(path: Path) -> Iterator[Path]:
     partial.mkdir()
     try:
         yield partial
+        if path.exists() and exchange(partial, path):
+            return
         if path.exists():
             path.rename(old)
         try:

@@ -87,7 +87,7 @@ def test_plain_pip_resolves_everything_without_constraints(
     """The bounds in the packages' metadata are enough for pip to find versions that go together."""
     report = tmp_path / "report.json"
     Installation(tmp_path / "empty").pip(
-        "install", "--dry-run", "--quiet", "--report", report, *wheels, "lerobot[dataset]"
+        "install", "--dry-run", "--quiet", "--report", report, *wheels, "lerobot[dataset,diffusion]"
     )
     installed = json.loads(report.read_text(encoding="utf-8"))["install"]
     versions = {

@@ -87,6 +87,8 @@ def test_a_run_leaves_results_with_versions_seeds_and_timing(finished: Path) -> 
     assert found["seeds"]["policies"] == [1]
     assert "run" in found["command"]
     assert str(QUICK) in found["command"]
+    assert found["environment"]["type"] == "robosuite/lift"
+    assert found["parameters"]["policy.prime"] > 10_000
     for timing in found["timing"].values():
         assert timing["process_seconds"] > 0
         assert timing["peak_megabytes"] > 50

@@ -13,8 +13,11 @@ from typing import Any, TextIO
 
 import typer
 
+from prime_core.cli.annotate import annotate
 from prime_core.cli.compare import compare
+from prime_core.cli.convert import convert
 from prime_core.cli.export import export
+from prime_core.cli.export_policy import export_policy
 from prime_core.cli.learn_primitives import learn_primitives
 from prime_core.cli.options import OWN_COMMANDS
 from prime_core.cli.output import answering, given_back, output_apart, tell
@@ -28,7 +31,8 @@ from prime_core.experiments.run_folder.place import place_error
 
 INTERRUPTED = 130
 KEPT = dict.fromkeys(
-    (run, learn_primitives), "; what is finished is kept, and the same command goes on from there"
+    (run, convert, learn_primitives),
+    "; what is finished is kept, and the same command goes on from there",
 )
 """What is told of commands that are interrupted."""
 
@@ -40,7 +44,19 @@ def build_app(stream: TextIO) -> typer.Typer:
         stream: Standard output, as `output_apart` gave it.
     """
     app = _empty_app()
-    for command in (run, show, validate, parse, learn_primitives, export, compare, plugins):
+    for command in (
+        run,
+        show,
+        validate,
+        parse,
+        annotate,
+        convert,
+        learn_primitives,
+        export,
+        export_policy,
+        compare,
+        plugins,
+    ):
         app.command()(_of_prime(command))
     from prime_core.registry.loading import load_plugins
 

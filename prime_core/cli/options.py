@@ -39,8 +39,11 @@ OWN_COMMANDS = (
     "show",
     "validate",
     "parse",
+    "annotate",
+    "convert",
     "learn-primitives",
     "export",
+    "export-policy",
     "compare",
     "plugins",
 )

@@ -1,12 +1,16 @@
 """``prime parse``."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from prime_core.cli.options import expanded
 from prime_core.cli.output import console
+
+if TYPE_CHECKING:
+    from prime_core.contracts.demonstration import ParsedDemonstration, Segment
 
 
 def parse(
@@ -33,23 +37,42 @@ def parse(
 ) -> None:
     """Parse demonstrations from elsewhere with the IDM of a run."""
     from prime_core.experiments.parse_dataset import beside, parse_foreign
+
+    target = out or beside(dataset, "parsed")
+    found = parse_foreign(dataset, run, target, strict)
+    say_parsed(found.parsed, found.left_out, target, lambda item: item.call.primitive)
+
+
+def say_parsed(
+    parsed: "Mapping[str, ParsedDemonstration]",
+    left_out: Mapping[str, str],
+    target: Path,
+    word: "Callable[[Segment], str]",
+) -> None:
+    """Print what demonstrations were cut into.
+
+    Args:
+        parsed: Demonstrations, by their numbers.
+        left_out: Why others cannot be used, by theirs.
+        target: Where they were written.
+        word: Says what a segment is.
+    """
     from prime_core.experiments.results.summaries import parsing_summary
 
     screen = console()
-    target = out or beside(dataset)
-    found = parse_foreign(dataset, run, target, strict)
-    summary = parsing_summary([*found.parsed.values()])
+    summary = parsing_summary([*parsed.values()])
     screen.print(
         f"{summary['demonstrations']} demonstrations, {summary['mean_primitives']:.1f} primitives "
         f"for {summary['mean_steps']:.0f} steps, {summary['other_share']:.1%} of the steps "
-        f"unexplained; {len(found.left_out)} left out.\nWritten to {target}",
+        f"unexplained; {len(left_out)} left out.\nWritten to {target}",
         highlight=False,
         markup=False,
         soft_wrap=True,
     )
-    for number, names in zip(found.parsed, summary["sequences"], strict=True):
-        screen.print(f"  {number}: {' '.join(names)}", highlight=False, markup=False)
-    for number, reason in found.left_out.items():
+    for number, item in parsed.items():
+        words = " ".join(map(word, item.segments))
+        screen.print(f"  {number}: {words}", highlight=False, markup=False)
+    for number, reason in left_out.items():
         screen.print(
             f"  {number} left out: {reason}", highlight=False, markup=False, soft_wrap=True
         )

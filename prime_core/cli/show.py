@@ -10,6 +10,8 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
 
     from prime_core.experiments.experiment import Experiment
     from prime_core.experiments.reading import dump_experiment, read_experiment
+    from prime_core.experiments.results.comparison import whole_results
+    from prime_core.experiments.results.figures import trainings_of
     from prime_core.experiments.results.table import stage_table
     from prime_core.experiments.running import holds_others
 
@@ -18,8 +20,10 @@ def show(experiment: ExperimentArgument, set_: SetOption = None, out: OutOption 
     screen.print(Syntax(dump_experiment(config), "yaml", background_color="default"))
     job = Experiment(config, out / config.name)
     screen.print(f"in {job.folder}:", highlight=False, markup=False)
-    screen.print(stage_table(job))
-    if holds_others(job):
+    others = holds_others(job)
+    trainings = {} if others else trainings_of(whole_results(job.folder))
+    screen.print(stage_table(job, trainings))
+    if others:
         screen.print(
             f"The results in {job.folder} are those of other settings, data or code: 'prime run' "
             "sets them aside.",

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from prime_core.configuration import Config
+from prime_core.configuration import Config, ConfigDump
 from prime_core.contracts.calls import OTHER, PrimitiveCall
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.observations import Observations
@@ -25,12 +25,15 @@ class Segment:
         call: The primitive call that leads from the one to the other. Its primitive is
             ``"other"`` and its parameters are empty where no primitive does.
         log_probability: As the parser scored it.
+        confidence: How sure the scores are of its primitive, in [0, 1]; see
+            `prime_core.parsing.confidence`. None where that is not known.
     """
 
     start: int
     end: int
     call: PrimitiveCall
     log_probability: float
+    confidence: float | None = None
 
     @property
     def steps(self) -> int:
@@ -71,6 +74,17 @@ class DemonstratorConfig(Config):
     def reads(cls, source: Path) -> bool:
         """Whether ``{type: ..., path: SOURCE}`` are settings that read a file or folder."""
         return False
+
+    def recorded_environment(self) -> ConfigDump | None:
+        """Return the environment that a recording says it is of, as plain data with its ``type``.
+
+        Returns:
+            None where it does not say.
+
+        Raises:
+            DatasetError: If it cannot be read, or names one that is not known.
+        """
+        return None
 
     @abstractmethod
     def count_available(self) -> int:

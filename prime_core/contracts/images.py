@@ -76,6 +76,14 @@ class ChosenImages:
         """``(N, H, W, 3)``."""
         return (len(self._places), *self._sources[0].shape[1:])
 
+    @property
+    def whole(self) -> Images | None:
+        """The source that these are all images of, in its order; None if there is no such one."""
+        source, places = self._sources[0], self._places
+        rows = np.arange(source.shape[0])
+        in_order = len(places) == len(rows) and bool((places[:, 0] == 0).all())
+        return source if in_order and np.array_equal(places[:, 1], rows) else None
+
     def chosen(self, rows: slice | Indices) -> Self:
         """Return some of the images, which are not read."""
         return type(self)(self._sources, self._places[rows])

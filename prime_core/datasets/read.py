@@ -4,28 +4,36 @@ A frame is an instant, as in `Demonstration`: an episode of ``N`` frames has ``N
 ``N`` actions, the last of which is a hold. The last action of a set from elsewhere is not used.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from prime_core.configuration import ConfigDump
 from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration, Segment
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.environment import ACTION_NAMES, CONTROL_FREQUENCY
+from prime_core.contracts.environment import CONTROL_FREQUENCY
 from prime_core.contracts.images import ChosenImages, Images
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY, Observations
-from prime_core.datasets import layout
 from prime_core.datasets import segments as parsed
-from prime_core.datasets.embedded_images import EmbeddedImages
-from prime_core.datasets.episodes import Columns, EpisodeEntry, read_entries, read_episodes
-from prime_core.datasets.header import Header, column_order, read_header, read_json
+from prime_core.datasets.columns.settings import ColumnsConfig
+from prime_core.datasets.feature_columns import MappedColumns, OwnColumns, wanted_names
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.episodes import Columns, EpisodeEntry, read_entries, read_episodes
+from prime_core.datasets.files.header import (
+    Header,
+    read_header,
+    read_info,
+    read_json,
+    read_mapped_header,
+)
+from prime_core.datasets.images.embedded import EmbeddedImages
+from prime_core.datasets.images.videos import VideoImages
 from prime_core.datasets.units import UnitCheck
-from prime_core.datasets.video_images import VideoImages
 from prime_core.datasets.write import write_dataset
 from prime_core.errors import DatasetError, DemonstrationError
 
@@ -79,18 +87,17 @@ def read_dataset(
     Raises:
         DatasetError: If it or one of its episodes is broken, or is something else.
     """
-    header = read_header(Path(folder), fps)
-    own = _read_prime_file(header)
+    header, own, mapping = open_dataset(Path(folder), fps, None)
     entries = _choose(header, read_entries(header), episodes)
     demonstrations = []
-    for found in _demonstrations(header, entries, description):
+    for found in _demonstrations(header, entries, description, mapping):
         if isinstance(found, DemonstrationError):
             raise found
         demonstrations.append(found)
     space = _read_space(header, own)
     names = {key: header.names(key) for key in (STATE_KEY, ENVIRONMENT_STATE_KEY)}
     if description is not None:  # by which they are ordered
-        wanted = _wanted_names(description)
+        wanted = wanted_names(description)
         names = {key: tuple(wanted[key]) if found else None for key, found in names.items()}
     return Dataset(
         folder=header.folder,
@@ -106,7 +113,12 @@ def read_dataset(
 
 
 def read_demonstrations(
-    folder: Path, description: SceneDescription, episodes: Sequence[int] | None = None
+    folder: Path,
+    description: SceneDescription,
+    episodes: Sequence[int] | None = None,
+    *,
+    columns: ColumnsConfig | None = None,
+    fps: int | None = CONTROL_FREQUENCY,
 ) -> Iterator[Demonstration | DemonstrationError]:
     """Read a data set's episodes one after another, each file of it once.
 
@@ -114,17 +126,20 @@ def read_demonstrations(
         folder: Of the data set.
         description: Of the environment that it is for.
         episodes: Which, in this order; all if None.
+        columns: Which columns hold what; None takes what the data set was annotated by, or else
+            features as ours.
+        fps: Observations a second that it must have; None takes any.
 
     Yields:
         Each episode, or why it cannot be used.
 
     Raises:
+        ConfigurationError: If ``columns`` do not fit; the text names the key.
         DatasetError: If the data set as a whole cannot be used.
     """
-    header = read_header(folder, CONTROL_FREQUENCY)
-    _read_prime_file(header)
+    header, _, mapping = open_dataset(folder, fps, columns)
     entries = _choose(header, read_entries(header), episodes)
-    return _demonstrations(header, entries, description)
+    return _demonstrations(header, entries, description, mapping)
 
 
 def count_episodes(folder: Path | str) -> int:
@@ -133,11 +148,55 @@ def count_episodes(folder: Path | str) -> int:
     Raises:
         DatasetError: If it is broken, or no LeRobot v3 data set.
     """
-    return int(read_header(Path(folder), None).info["total_episodes"])
+    return int(read_info(Path(folder), None)["total_episodes"])
 
 
-def _read_prime_file(header: Header) -> dict[str, Any]:
-    path = header.folder / layout.PRIME_FILE
+def read_environment(folder: Path | str) -> ConfigDump | None:
+    """Return the settings of the environment that a data set comes from, None if it keeps none.
+
+    Raises:
+        DatasetError: If it is broken, or no LeRobot v3 data set.
+    """
+    read_info(Path(folder), None)
+    found: ConfigDump | None = read_prime_file(Path(folder)).get("environment")
+    return found
+
+
+def open_dataset(
+    folder: Path, fps: int | None, columns: ColumnsConfig | None
+) -> tuple[Header, dict[str, Any], ColumnsConfig | None]:
+    """Return a data set's header, what our own file in it says, and which columns hold what.
+
+    Args:
+        folder: Of the data set.
+        fps: Observations a second that it must have; None takes any.
+        columns: Which columns hold what; None takes what the data set was annotated by.
+
+    Raises:
+        ConfigurationError: If ``columns`` name what is not there; the text names the key.
+        DatasetError: If it is broken, or no LeRobot v3 data set.
+    """
+    own = read_prime_file(folder)
+    if columns is None and own.get("columns") is not None:
+        try:
+            columns = ColumnsConfig.model_validate(own["columns"])
+        except ValidationError as error:
+            raise DatasetError(
+                f"{folder / layout.PRIME_FILE}: columns is no mapping of columns ({error}): "
+                "annotate the data set again"
+            ) from None
+    if columns is None:
+        return read_header(folder, fps), own, None
+    return read_mapped_header(folder, fps, columns), own, columns
+
+
+def read_prime_file(folder: Path) -> dict[str, Any]:
+    """Return what our own file in a data set says; nothing where there is none.
+
+    Raises:
+        DatasetError: If it is broken, or of another release.
+    """
+    path = folder / layout.PRIME_FILE
     if not path.is_file():
         return {}
     content = read_json(path)
@@ -148,46 +207,6 @@ def _read_prime_file(header: Header) -> dict[str, Any]:
             "anew, or remove the file to read it as one from elsewhere"
         )
     return content
-
-
-def _wanted_names(description: SceneDescription) -> dict[str, list[str]]:
-    return {
-        STATE_KEY: description.state_names,
-        ENVIRONMENT_STATE_KEY: description.environment_state_names,
-    }
-
-
-def _column_orders(
-    header: Header, description: SceneDescription | None
-) -> dict[str, list[int] | None]:
-    """Return which column holds each number of each feature, once all of them fit."""
-    wanted = {layout.ACTION_KEY: list(ACTION_NAMES)}
-    if description is not None:
-        _check_robot(header, description)
-        wanted |= _wanted_names(description)
-    for key, names in wanted.items():
-        width = header.features[key].width if key in header.features else 0
-        if width != len(names):
-            raise DatasetError(
-                f"{header.info_file}: feature {key!r} "
-                + (f"has {width} numbers" if width else "is missing")
-                + f"; this environment has {len(names)}: {', '.join(names)}"
-            )
-    return {key: column_order(header, key, names) for key, names in wanted.items()}
-
-
-def _check_robot(header: Header, description: SceneDescription) -> None:
-    """Check that a data set that names its robot names the environment's."""
-    found = header.info.get("robot_type")
-    wanted = None if description.robot is None else description.robot.name
-    if not found or "unknown" in (found, wanted) or wanted is None:
-        return
-    # LeRobot's users write franka_panda or Panda.
-    if wanted.lower() not in re.split(r"[^a-z0-9]+", str(found).lower()):
-        raise DatasetError(
-            f"{header.info_file}: robot_type is {found!r}; this environment's robot is {wanted!r}. "
-            f"If it is the same one, write {wanted!r} or null there"
-        )
 
 
 def _choose(
@@ -204,41 +223,40 @@ def _choose(
 
 
 def _demonstrations(
-    header: Header, entries: Sequence[EpisodeEntry], description: SceneDescription | None
+    header: Header,
+    entries: Sequence[EpisodeEntry],
+    description: SceneDescription | None,
+    mapping: ColumnsConfig | None,
 ) -> Iterator[Demonstration | DemonstrationError]:
-    orders, units = _column_orders(header, description), UnitCheck(description)
+    if mapping is None:
+        table: OwnColumns | MappedColumns = OwnColumns(header, description)
+    elif description is None:
+        raise DatasetError(
+            f"{header.folder}: its columns are not ours, but those of a mapping: it is read for an "
+            "environment, by whose names the mapping calls objects"
+        )
+    else:
+        table = MappedColumns(header, description, mapping)
+    return _shown(header, entries, table, UnitCheck(description))
+
+
+def _shown(
+    header: Header,
+    entries: Sequence[EpisodeEntry],
+    table: OwnColumns | MappedColumns,
+    units: UnitCheck,
+) -> Iterator[Demonstration | DemonstrationError]:
     for entry, columns in read_episodes(header, entries):
         if isinstance(columns, DemonstrationError):
             yield columns
             continue
-        for key, order in orders.items():
-            if order is not None:
-                columns[key] = columns[key][:, order]
         with np.errstate(over="ignore"):  # what float32 cannot hold is infinite: no unit of ours
-            found = _demonstration(header, entry, columns, description)
+            arrays = table.arrays(columns)
+        seen = Observations(arrays.state, arrays.environment_state, _images(header, entry, columns))
+        found = Demonstration(seen, arrays.actions, entry.task, arrays.simulator_states)
         problem = units.problem(found)
         text = f"{entry.file}: episode {entry.index}: {problem}"
         yield found if problem is None else DemonstrationError(text)
-
-
-def _demonstration(
-    header: Header, entry: EpisodeEntry, columns: Columns, description: SceneDescription | None
-) -> Demonstration:
-    objects = columns.get(ENVIRONMENT_STATE_KEY)
-    if objects is None and description is not None and not description.objects:
-        # There is no such column where there is no object: nothing is unknown.
-        objects = np.zeros((entry.length, 0), dtype=np.float32)
-    states = columns.get(layout.SIMULATOR_STATE_KEY)
-    return Demonstration(
-        observations=Observations(
-            columns[STATE_KEY].astype(np.float32, copy=False),
-            None if objects is None else objects.astype(np.float32, copy=False),
-            _images(header, entry, columns),
-        ),
-        actions=columns[layout.ACTION_KEY].astype(np.float32, copy=False),
-        task=entry.task,
-        simulator_states=None if states is None else states.astype(np.float64, copy=False),
-    )
 
 
 def _images(header: Header, entry: EpisodeEntry, columns: Columns) -> dict[str, ChosenImages]:

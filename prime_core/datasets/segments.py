@@ -15,7 +15,7 @@ from prime_core.contracts.calls import (
     PrimitiveSpace,
 )
 from prime_core.contracts.demonstration import Segment
-from prime_core.datasets.parquet_reader import (
+from prime_core.datasets.files.parquet_reader import (
     lists_of_numbers,
     numbers,
     read_table,
@@ -27,6 +27,14 @@ SegmentLists = Sequence[Sequence[Segment]]
 
 
 SEGMENT_COLUMNS = ("episode", "start", "end", "primitive", "parameters", "log_probability")
+
+
+CONFIDENCE = "confidence"
+"""A column that older data sets have not."""
+
+
+MOTION = "motion"
+"""LeRobot's style of rows that say what a robot does."""
 
 
 def check_segments(segments: Sequence[Segment], frames: int, space: PrimitiveSpace) -> None:
@@ -84,26 +92,38 @@ def _parameters_of(space: PrimitiveSpace, primitive: str) -> ParameterSpace:
     return space.parameter_spaces[space.names.index(primitive)]
 
 
-def motion_column(segments: Sequence[Segment], frames: int, space: PrimitiveSpace, fps: int) -> Any:
-    """Return LeRobot's persistent language rows of one episode: all rows at every frame.
+def motion_rows(segments: Sequence[Segment], space: PrimitiveSpace, clock: NDArray[Any]) -> Any:
+    """Return LeRobot's persistent language rows of one episode, one a segment.
 
     A row holds from its timestamp until the next row of its style, so `other` has rows too.
+
+    Args:
+        segments: Of the episode.
+        space: Their primitives.
+        clock: Timestamps of the episode's frames [s], ``(frames,)``.
     """
     import pyarrow as pa
 
     texts = [motion_text(segment.call, space) for segment in segments]
     count = len(segments)
-    rows = pa.StructArray.from_arrays(
+    return pa.StructArray.from_arrays(
         [
             pa.array(["assistant"] * count, pa.string()),
             pa.array(texts, pa.string()),
-            pa.array(["motion"] * count, pa.string()),
-            pa.array([segment.start / fps for segment in segments], pa.float32()),
+            pa.array([MOTION] * count, pa.string()),
+            pa.array([clock[segment.start] for segment in segments], pa.float32()),
             pa.nulls(count, pa.string()),
             pa.nulls(count, pa.list_(pa.json_())),
         ],
         names=["role", "content", "style", "timestamp", "camera", "tool_calls"],
     )
+
+
+def at_every_frame(rows: Any, frames: int) -> Any:
+    """Return a column that holds an episode's rows at each of its frames, as LeRobot has them."""
+    import pyarrow as pa
+
+    count = len(rows)
     offsets = pa.array(np.arange(frames + 1, dtype=np.int32) * count)
     repeats = pa.array(np.tile(np.arange(count, dtype=np.int64), frames))
     return pa.ListArray.from_arrays(offsets, rows.take(repeats))
@@ -124,6 +144,7 @@ def segment_table(segments: SegmentLists) -> Any:
                 [item.call.parameters.tolist() for _, item in rows], pa.list_(pa.float64())
             ),
             "log_probability": pa.array([item.log_probability for _, item in rows], pa.float64()),
+            CONFIDENCE: pa.array([item.confidence for _, item in rows], pa.float64()),
         }
     )
 
@@ -134,19 +155,28 @@ def read_segments(path: Path) -> dict[int, tuple[Segment, ...]]:
     Raises:
         DatasetError: If it is not the file of such a table.
     """
-    table = read_table(path, SEGMENT_COLUMNS)
+    table = read_table(path, SEGMENT_COLUMNS, optional=[CONFIDENCE])
     episodes, starts, ends = (
         whole_numbers(path, table, name).tolist() for name in ("episode", "start", "end")
     )
     primitives = texts(path, table, "primitive")
     parameters = lists_of_numbers(path, table, "parameters")
     scores = numbers(path, table, "log_probability", 1)[:, 0].tolist()
+    confidences = _confidences(path, table)
     found: dict[int, list[Segment]] = {}
-    columns = zip(episodes, starts, ends, primitives, parameters, scores, strict=True)
-    for episode, start, end, primitive, values, score in columns:
-        segment = Segment(start, end, PrimitiveCall(primitive, values), score)
+    columns = zip(episodes, starts, ends, primitives, parameters, scores, confidences, strict=True)
+    for episode, start, end, primitive, values, score, confidence in columns:
+        segment = Segment(start, end, PrimitiveCall(primitive, values), score, confidence)
         found.setdefault(episode, []).append(segment)
     return {episode: tuple(items) for episode, items in found.items()}
+
+
+def _confidences(path: Path, table: Any) -> list[float | None]:
+    """Return the confidence of each segment; None where none is known."""
+    if CONFIDENCE not in table.column_names or table[CONFIDENCE].null_count == len(table):
+        return [None] * len(table)
+    found: list[float | None] = numbers(path, table, CONFIDENCE, 1)[:, 0].tolist()
+    return found
 
 
 def dump_space(space: PrimitiveSpace) -> list[dict[str, Any]]:

@@ -1,6 +1,8 @@
 """Writes demonstrations as a LeRobot v3 data set, whole or not at all."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -12,34 +14,30 @@ from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_NAMES, CONTROL_FREQUENCY
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
-from prime_core.datasets import layout
 from prime_core.datasets import segments as parsed
-from prime_core.datasets.parquet_writer import (
-    Columns,
-    Episode,
-    episode_of,
-    write_files,
-    write_json,
-    write_table,
-)
+from prime_core.datasets.files import layout
+from prime_core.datasets.files.metadata_writer import write_json, write_table
+from prime_core.datasets.images.videos import check_sizes
+from prime_core.datasets.parquet_writer import Columns, Episode, episode_of, write_files
 from prime_core.errors import DatasetError
 from prime_core.files import new_folder
 
 
 def write_dataset(
     folder: Path | str,
-    demonstrations: Sequence[Demonstration],
+    demonstrations: Iterable[Demonstration],
     description: SceneDescription,
     *,
     environment: ConfigDump | None = None,
     segments: parsed.SegmentLists | None = None,
     space: PrimitiveSpace | None = None,
     motion_rows: bool = True,
+    videos: bool = False,
     replace: bool = False,
 ) -> None:
     """Write demonstrations as a LeRobot v3 data set, with their images if they have some.
 
-    Images are read and written one demonstration after another.
+    Demonstrations are taken, and their images read, one after another.
 
     Args:
         folder: Of the data set; its parent is made if need be.
@@ -51,6 +49,8 @@ def write_dataset(
         motion_rows: Whether segments are also written as LeRobot's ``language_persistent`` rows
             of style ``motion``. They put lists into the items of a ``LeRobotDataset``, which
             only LeRobot's own collate function can batch.
+        videos: Whether images are kept as videos, which lose a little of them, as LeRobot has them
+            by default; else as PNG files. Heights and widths must be even.
         replace: Whether a data set that is there already gives way, once the new one is complete.
 
     Raises:
@@ -62,16 +62,21 @@ def write_dataset(
     _check_target(folder, replace)
     if (segments is None) != (space is None):
         raise ValueError("segments and space go together")
-    episodes = _episodes(demonstrations, description)
-    if segments is not None and space is not None:
-        _label(episodes, segments, space, CONTROL_FREQUENCY if motion_rows else None)
+    first, others = _first_of(demonstrations)
+    form = _Form.of(first, description)
+    if videos:
+        check_sizes(form.images)
     contents = layout.Contents(
-        simulator_state_width=_simulator_state_width(episodes),
-        images=_images(demonstrations),
+        simulator_state_width=form.widths.get(layout.SIMULATOR_STATE_KEY, 0),
+        images=form.images,
+        videos=videos,
         segments=segments is not None,
         motion_rows=segments is not None and motion_rows,
     )
     features = layout.features_of(description, contents)
+    episodes: Iterable[Episode] = map(form.episode, enumerate(chain([first], others)))
+    if segments is not None and space is not None:
+        episodes = _labelled(episodes, segments, space, motion_rows)
     with new_folder(folder) as partial:
         robot = "unknown" if description.robot is None else description.robot.name
         write_files(partial, episodes, features, fps=CONTROL_FREQUENCY, robot_type=robot)
@@ -92,49 +97,69 @@ def _check_target(folder: Path, replace: bool) -> None:
         )
 
 
-def _episodes(
-    demonstrations: Sequence[Demonstration], description: SceneDescription
-) -> list[Episode]:
-    if not demonstrations:
-        raise DatasetError("no demonstrations to write: a data set has at least one episode")
-    wanted = {
-        STATE_KEY: description.state_width,
-        ENVIRONMENT_STATE_KEY: description.environment_state_width,
-        layout.ACTION_KEY: len(ACTION_NAMES),
-    }
-    episodes = [episode_of(item) for item in demonstrations]
-    width = _simulator_state_width(episodes)
-    if width:
-        wanted[layout.SIMULATOR_STATE_KEY] = width
-    for number, episode in enumerate(episodes):
-        _check_columns(number, episode.columns, wanted)
-    return episodes
+def _first_of(
+    demonstrations: Iterable[Demonstration],
+) -> tuple[Demonstration, Iterator[Demonstration]]:
+    """Return the first demonstration and what gives the others."""
+    others = iter(demonstrations)
+    for first in others:
+        return first, others
+    raise DatasetError("no demonstrations to write: a data set has at least one episode")
 
 
-def _images(demonstrations: Sequence[Demonstration]) -> dict[str, tuple[int, ...]]:
-    """Return height, width and 3 of each camera's images, once all demonstrations have the same."""
-    shapes = [
-        {name: images.shape for name, images in each.observations.images.items()}
-        for each in demonstrations
-    ]
-    first = {name: shape[1:] for name, shape in shapes[0].items()}
-    for number, (found, each) in enumerate(zip(shapes, demonstrations, strict=True)):
-        wanted = {name: (len(each.observations), *shape) for name, shape in first.items()}
+@dataclass(frozen=True)
+class _Form:
+    """What each demonstration of a data set holds.
+
+    Attributes:
+        widths: How many numbers a frame has, by feature.
+        images: Height, width and 3 of each camera's images.
+    """
+
+    widths: Mapping[str, int]
+    images: Mapping[str, tuple[int, ...]]
+
+    @classmethod
+    def of(cls, first: Demonstration, description: SceneDescription) -> "_Form":
+        """Return that of a data set which begins with a demonstration."""
+        widths = {
+            STATE_KEY: description.state_width,
+            ENVIRONMENT_STATE_KEY: description.environment_state_width,
+            layout.ACTION_KEY: len(ACTION_NAMES),
+        }
+        if first.simulator_states is not None:
+            widths[layout.SIMULATOR_STATE_KEY] = first.simulator_states.shape[1]
+        images = first.observations.images
+        return cls(widths, {name: each.shape[1:] for name, each in images.items()})
+
+    def episode(self, numbered: tuple[int, Demonstration]) -> Episode:
+        """Return a demonstration as an episode.
+
+        Args:
+            numbered: It, and its number.
+
+        Raises:
+            DatasetError: If it is not of this form.
+        """
+        number, demonstration = numbered
+        episode = episode_of(demonstration)
+        _check_columns(number, episode.columns, self.widths)
+        self._check_images(number, demonstration)
+        return episode
+
+    def _check_images(self, number: int, demonstration: Demonstration) -> None:
+        seen = demonstration.observations
+        found = {name: images.shape for name, images in seen.images.items()}
+        wanted = {name: (len(seen), *shape) for name, shape in self.images.items()}
         if found != wanted or any(shape[3:] != (3,) for shape in found.values()):
             raise DatasetError(
                 f"demonstration {number} has images {found or 'of no camera'}; it should have "
                 f"{wanted or 'none'}: one of each frame, (height, width, 3), of the same cameras "
                 "as demonstration 0"
             )
-    return first
 
 
-def _simulator_state_width(episodes: Sequence[Episode]) -> int:
-    states = episodes[0].columns.get(layout.SIMULATOR_STATE_KEY)
-    return 0 if states is None else int(states.shape[1])
-
-
-def _check_columns(number: int, columns: Columns, wanted: dict[str, int]) -> None:
+def _check_columns(number: int, columns: Columns, wanted: Mapping[str, int]) -> None:
     if ENVIRONMENT_STATE_KEY in wanted and ENVIRONMENT_STATE_KEY not in columns:
         raise DatasetError(
             f"demonstration {number} does not tell where objects are, and data sets of this "
@@ -157,20 +182,21 @@ def _check_columns(number: int, columns: Columns, wanted: dict[str, int]) -> Non
             raise DatasetError(f"demonstration {number}: {key} holds NaN or infinity")
 
 
-def _label(
-    episodes: Sequence[Episode],
+def _labelled(
+    episodes: Iterable[Episode],
     segments: parsed.SegmentLists,
     space: PrimitiveSpace,
-    motion_fps: int | None,
-) -> None:
-    if len(segments) != len(episodes):
-        raise ValueError(f"{len(segments)} lists of segments for {len(episodes)} demonstrations")
+    motion_rows: bool,
+) -> Iterator[Episode]:
+    """Yield episodes with what their segments say, of which there are as many lists."""
     for episode, items in zip(episodes, segments, strict=True):
         frames = len(episode)
         parsed.check_segments(items, frames, space)
         episode.columns[layout.PRIMITIVE_INDEX_KEY] = parsed.frame_labels(items, frames, space)
-        if motion_fps is not None:
-            episode.language = parsed.motion_column(items, frames, space, motion_fps)
+        if motion_rows:
+            rows = parsed.motion_rows(items, space, np.arange(frames) / CONTROL_FREQUENCY)
+            episode.language = parsed.at_every_frame(rows, frames)
+        yield episode
 
 
 def _write_prime_files(

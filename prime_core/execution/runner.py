@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,10 @@ from prime_core.execution.repetition import CallHistory, has_changed
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.turned_calls import calls_at_any_yaw, calls_at_good_yaws
 
+Ending = Literal["finished", "at once", "step limit"]
+"""Why a call ended: its motion came to its own end, did so before it moved, or was as long as it
+may be."""
+
 
 @dataclass(frozen=True, eq=False)
 class CallRecord:
@@ -29,11 +33,16 @@ class CallRecord:
         call: The call.
         start: Motor actions of the episode before it.
         end: Motor actions of the episode when it ended.
+        ending: Why it ended; None while it runs.
+        feasible: Whether it was taken for one that can be done; else nothing that the policy
+            offered was.
     """
 
     call: PrimitiveCall
     start: int
     end: int
+    ending: Ending | None = None
+    feasible: bool = True
 
 
 class Run(Protocol):
@@ -78,6 +87,7 @@ class SceneRunner(MotorPolicy):
         action = None if self._run is None else self._run.next_action(scene)
         if action is None:
             if self._run is not None:
+                self._note_ending(self._run)
                 self.ended(scene)
             self._run = self.next_run(scene, seen.only(self.sees))
             if self._run is None:
@@ -95,10 +105,18 @@ class SceneRunner(MotorPolicy):
     def next_run(self, scene: Scene, seen: Observations) -> Run | None:
         """Return what to do next, or None to give up."""
 
-    def start(self, call: PrimitiveCall, primitive: Primitive, scene: Scene) -> MotionRun:
+    def start(
+        self, call: PrimitiveCall, primitive: Primitive, scene: Scene, *, feasible: bool = True
+    ) -> MotionRun:
         """Record a call and return the run of its motion."""
-        self.records.append(CallRecord(call, self._steps, self._steps))
+        self.records.append(CallRecord(call, self._steps, self._steps, feasible=feasible))
         return MotionRun(primitive, scene, call.parameters)
+
+    def _note_ending(self, run: Run) -> None:
+        if isinstance(run, MotionRun):
+            own: Ending = "finished" if run.steps else "at once"
+            ending = own if run.finished else "step limit"
+            self.records[-1] = replace(self.records[-1], ending=ending)
 
     def ended(self, scene: Scene) -> None:
         """Be told of the scene after a run; by default nothing is done."""
@@ -148,10 +166,10 @@ class PrimitiveRunner(SceneRunner):
         startable = self._startable(scene)
         if not startable.any():
             return None
-        call = self._choose(scene, self._candidates(seen, startable, self._generator))
+        call, feasible = self._choose(scene, self._candidates(seen, startable, self._generator))
         self._history.add(scene, call)
         self._called_from = scene
-        return self.start(call, self._primitives[call.primitive], scene)
+        return self.start(call, self._primitives[call.primitive], scene, feasible=feasible)
 
     def ended(self, scene: Scene) -> None:
         """Remember whether the call changed something."""
@@ -179,18 +197,20 @@ class PrimitiveRunner(SceneRunner):
             yield self._policy.draw(seen, startable, generator)
         yield from self._policy.candidates(seen, startable, generator)
 
-    def _choose(self, scene: Scene, candidates: Iterator[PrimitiveCall]) -> PrimitiveCall:
-        """Return the first candidate that is feasible, else the first of all."""
+    def _choose(
+        self, scene: Scene, candidates: Iterator[PrimitiveCall]
+    ) -> tuple[PrimitiveCall, bool]:
+        """Return the first candidate that is feasible, else the first of all, and whether it is."""
         first: PrimitiveCall | None = None
         met: set[str] = set()
         for candidate in candidates:
             first = first or candidate
             for call in self._variants(candidate, scene, candidate.primitive not in met):
                 if self._is_feasible(scene, call):
-                    return call
+                    return call, True
             met.add(candidate.primitive)
         assert first is not None, "a policy yields a candidate where a primitive can start"
-        return first
+        return first, False
 
     def _variants(
         self, call: PrimitiveCall, scene: Scene, likeliest: bool

@@ -3,10 +3,8 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from prime_core.configuration import Config
 from prime_core.contracts.demonstration import (
     Demonstration,
-    DemonstratorConfig,
     ParsedDemonstration,
 )
 from prime_core.contracts.idm import InverseDynamicsModel
@@ -21,9 +19,7 @@ from prime_core.experiments.run_folder.place import place_told
 from prime_core.experiments.stages.demonstrations import check_left_out
 from prime_core.parsing.demonstrations import parse_demonstration
 from prime_core.registry.building import build_world
-from prime_core.registry.contained import contained
-from prime_core.registry.fields import read_settings
-from prime_core.registry.loading import load_plugins
+from prime_core.registry.sources import demonstrator_of
 from prime_core.reporting.overview import draw_timelines_overview
 from prime_core.reporting.timeline import draw_timeline
 
@@ -45,12 +41,24 @@ def open_run(folder: Path) -> Experiment:
     return Experiment(read_experiment(path), folder)
 
 
-def beside(source: Path, ending: str = "-parsed") -> Path:
+def check_idm(experiment: Experiment, run: Path) -> None:
+    """Check that a run can parse.
+
+    Raises:
+        ConfigurationError: If its IDM is not trained.
+    """
+    if experiment.idm.missing():
+        raise ConfigurationError(
+            f"{run}: its IDM is not trained yet: prime run ... --until idm trains it"
+        )
+
+
+def beside(source: Path, ending: str) -> Path:
     """Return where what is made of a source is written unless told: beside it.
 
     Args:
         source: A file or folder.
-        ending: What its name is followed by.
+        ending: What is put behind its name.
 
     Raises:
         ConfigurationError: If nothing can lie beside it.
@@ -60,7 +68,7 @@ def beside(source: Path, ending: str = "-parsed") -> Path:
     whole = source if source.name not in ("", "..") else source.resolve()
     if not whole.name:
         raise ConfigurationError(f"{source}: nothing can lie beside it: say --out FOLDER")
-    return whole.with_name(f"{whole.name}{ending}")
+    return whole.with_name(f"{whole.name}-{ending}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +100,10 @@ def parse_foreign(
             has no trained IDM, or the target is there already.
     """
     experiment = open_run(run)
-    if experiment.idm.missing():
-        raise ConfigurationError(
-            f"{run}: its IDM is not trained yet: prime run ... --until idm trains it"
-        )
+    check_idm(experiment, run)
     if target.exists():
         raise DatasetError(f"{target}: is there already: choose another folder with --out")
-    config = _demonstrator_of(source)
+    config = demonstrator_of(source)
     settings = experiment.config
     count = config.count_available()
     shown = config.demonstrations(settings.environment, range(count), settings.seed)
@@ -138,40 +143,6 @@ def _parsed(
     shown = replace(demonstration, observations=images.of(own, str(source)))
     segments = parse_demonstration(shown, idm, parser).segments
     return ParsedDemonstration(shown if own.images else bare, segments)
-
-
-def _demonstrator_of(source: Path) -> DemonstratorConfig:
-    """Return settings of the registered demonstrator that reads a source.
-
-    Raises:
-        DatasetError: If none does, or it cannot be opened.
-    """
-    try:
-        source.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        raise DatasetError(f"{source}: there is no such data set") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise DatasetError(f"{source}: cannot be read: {reason}") from None
-    registrations = load_plugins().registry.registrations("demonstrator")
-    # Prime's own first: no pack takes what they read.
-    for entry in sorted(registrations, key=lambda entry: not entry.plugin.is_own):
-        if _reads(entry.config_class, source):
-            return read_settings(DemonstratorConfig, {"type": entry.name, "path": str(source)})
-    raise DatasetError(
-        f"{source}: nothing that is installed reads it: it must be a LeRobot data set's folder, or "
-        f"a file for one of {', '.join(entry.name for entry in registrations)}"
-    )
-
-
-def _reads(config_class: type[Config], source: Path) -> bool:
-    """Whether settings say that they read a source; those that fail do not."""
-    if not issubclass(config_class, DemonstratorConfig):
-        return False
-    try:
-        return bool(contained(lambda: config_class.reads(source)))
-    except Exception:  # a stranger's code
-        return False
 
 
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:

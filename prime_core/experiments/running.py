@@ -61,26 +61,38 @@ def run_experiment(experiment: Experiment, console: Console, until: str | None =
         check_devices(stages.values())
     take_folder(experiment, console)
     for name, stage in stages.items():
-        mend(stage.folder)
-        damaged = stage.drop_damaged()
-        if damaged:
-            text = f"{len(damaged)} {stage.unit} of {name} were damaged, and are made anew"
-            console.print(f"[yellow]![/] {text}", highlight=False, soft_wrap=True)
-        total, missing = len(stage.items()), len(stage.missing())
-        if not missing:
-            console.print(f"[green]✓[/] {name} [dim]was done before[/]")
-            _tell_left_out(console, stage, experiment.config.strict)
-            continue
         try:
-            with _ready_for_workers(stage), _progress(console, name, stage, total):
-                run_stage(stage)
+            finish_stage(name, stage, console)
         except PrimeError as error:
             if not stage.optional or isinstance(error, PlaceError):
                 raise
             console.print(f"[yellow]-[/] {name} left out: {escape(str(error))}", highlight=False)
             continue
-        console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
         _tell_left_out(console, stage, experiment.config.strict)
+
+
+def finish_stage(name: str, stage: Stage, console: Console) -> None:
+    """Do what is missing of a stage and what is damaged, and show how far it is.
+
+    Args:
+        name: Of the stage, for people.
+        stage: Which. No other run may be at work in its folder.
+        console: Where progress is shown.
+
+    Raises:
+        PrimeError: If it cannot be done for a reason that the user can mend.
+    """
+    mend(stage.folder)
+    damaged = stage.drop_damaged()
+    if damaged:
+        text = f"{len(damaged)} {stage.unit} of {name} were damaged, and are made anew"
+        console.print(f"[yellow]![/] {text}", highlight=False, soft_wrap=True)
+    if not stage.missing():
+        console.print(f"[green]✓[/] {name} [dim]was done before[/]")
+        return
+    with _ready_for_workers(stage), _progress(console, name, stage, len(stage.items())):
+        run_stage(stage)
+    console.print(f"[green]✓[/] {name} [dim]in {wall_seconds(stage):.1f} s[/]", highlight=False)
 
 
 def check_devices(stages: Iterable[Stage]) -> None:

@@ -48,8 +48,12 @@ for _kind, _pattern in _PATTERNS.items():
 _Loader.add_implicit_resolver(_TAG + "merge", re.compile("^<<$"), ["<"])
 
 
-def read_mapping(path: Path) -> dict[str, Any]:
-    """Read a YAML file that holds a mapping, such as an experiment.
+def read_mapping(path: Path, what: str = "an experiment") -> dict[str, Any]:
+    """Read a YAML file that holds a mapping.
+
+    Args:
+        path: The file.
+        what: What it should be, for people.
 
     Raises:
         ConfigurationError: If it cannot be read, is no YAML, or holds something else.
@@ -64,8 +68,7 @@ def read_mapping(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         found = "nothing" if data is None else type(data).__name__
         raise ConfigurationError(
-            f"{path}: found {found} at the top: an experiment is a mapping of keys, "
-            "such as 'name: lift'"
+            f"{path}: found {found} at the top: {what} is a mapping of keys, such as 'name: lift'"
         )
     return data
 

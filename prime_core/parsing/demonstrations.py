@@ -6,6 +6,7 @@ from prime_core.contracts.calls import OTHER, PrimitiveCall
 from prime_core.contracts.demonstration import Demonstration, ParsedDemonstration, Segment
 from prime_core.contracts.idm import InverseDynamicsModel
 from prime_core.contracts.parser import ParserConfig
+from prime_core.parsing.confidence import segment_confidences
 from prime_core.parsing.scores import score_pairs
 
 
@@ -23,9 +24,10 @@ def parse_demonstration(
         The demonstration with its segments.
     """
     features = idm.encode(demonstration.observations.only(idm.sees))
-    parsed = config.build().parse(score_pairs(idm, features, config))
+    scores = score_pairs(idm, features, config)
+    parsed = config.build().parse(scores)
     segments = []
-    for item in parsed:
+    for item, confidence in zip(parsed, segment_confidences(scores, parsed), strict=True):
         if item.label == len(idm.space.names):
             call = PrimitiveCall(OTHER, np.empty(0))
         else:
@@ -33,5 +35,5 @@ def parse_demonstration(
             values, _ = idm.parameters(features, pair, np.array([item.label]))
             width = len(idm.space.parameter_spaces[item.label])
             call = PrimitiveCall(idm.space.names[item.label], values[0, :width])
-        segments.append(Segment(item.start, item.end, call, item.log_probability))
+        segments.append(Segment(item.start, item.end, call, item.log_probability, confidence))
     return ParsedDemonstration(demonstration, tuple(segments))

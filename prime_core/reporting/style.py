@@ -89,5 +89,8 @@ def finish(panels: Sequence["Axes"], steps: int) -> None:
 
 def save(figure: "Figure", path: Path) -> None:
     """Write a picture, whole or not at all."""
-    with new_file(path) as partial:
+    from matplotlib import rc_context
+
+    # Letters of PDFs as TrueType: publishers refuse matplotlib's own kind.
+    with new_file(path) as partial, rc_context({"pdf.fonttype": 42}):
         figure.savefig(partial, dpi=DOTS_PER_INCH)

@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from contained_command import Limits, run_contained
 
-from prime_core.datasets.layout import MOTION_KEY
+from prime_core.datasets.files.layout import MOTION_KEY
 from prime_core.experiments.reading import apply_setting
 from prime_core.experiments.yaml_text import dump_yaml, read_mapping
 

@@ -133,7 +133,9 @@ def test_the_stored_actions_lead_through_the_stored_states(
 
 
 def test_seed_and_index_decide_to_the_bit(milk_shown: list[Demonstration]) -> None:
-    again = WHOLE.demonstrate(PickPlaceConfig(), 1, SEED)
+    """However many there are: the first of 100 are those of 5."""
+    more = WHOLE.model_copy(update={"count": 100})
+    again = more.demonstrate(PickPlaceConfig(), 1, SEED)
     assert np.array_equal(states(again), states(milk_shown[1]))
     assert np.array_equal(again.actions, milk_shown[1].actions)
     assert np.array_equal(again.observations.state, milk_shown[1].observations.state)

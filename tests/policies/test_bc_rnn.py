@@ -1,27 +1,23 @@
 """The policy over motor actions ``bc-rnn``, on episodes of a toy world."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from prime_core.arrays import Floats
-from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration
-from prime_core.contracts.policy import MotorPolicy
-from prime_core.contracts.training import ModelContext, Progress, TrainingContext, no_progress
 from prime_core.errors import DatasetError, PrimeError
 from prime_core.learning.scene_features import FeatureEncoder
+from prime_policies.motor.bc_rnn import bc_rnn
 from prime_policies.motor.config import BcRnnConfig
-from prime_policies.motor.fitting import load_bc_rnn
+from prime_policies.motor.fitting import load_network
 from prime_policies.motor.windows import Windows
 from prime_policies.training.weights import write_tensors
 
-from .toy_world import BIN, DESCRIPTION, GRASP, PLACE, REACH, World
+from .episodes import CONTEXT, KilledError, act, contents, episodes, train
+from .toy_world import DESCRIPTION
 
-CONTEXT = ModelContext(description=DESCRIPTION, space=PrimitiveSpace((), ()), device="cpu")
 CONFIG = BcRnnConfig(
     hidden=48,
     minimum_deviation=0.02,
@@ -36,76 +32,14 @@ BRIEF = BcRnnConfig(
 )
 
 
-class KilledError(Exception):
-    """Stands for a kill."""
-
-
-def episode(generator: np.random.Generator, width: int = 5, reach: bool = False) -> Demonstration:
-    """Return an episode of grasping the carton and placing it in the bin, or of a reach.
-
-    A sixth number tells how far the episode is, from 0 to 3.
-    """
-    world = World(generator)
-    world.reset()
-    if reach:
-        world.call(REACH, generator.uniform((0, -0.3, 0.85, -1), (0.2, 0.3, 1, 1)))
-    else:
-        world.call(GRASP, world.grasp_target())
-        world.call(PLACE, np.append(BIN, 0.0))
-    seen = world.observations()
-    actions = np.zeros((len(seen), width), dtype=np.float32)
-    actions[:-1, :3] = np.diff(seen.gripper_position, axis=0)
-    actions[:-1, 4] = np.where(seen.gripper_opening[1:] < 0.06, 1, -1)
-    actions[:, 5:] = np.linspace(0, 3, len(seen))[:, None]
-    actions[-1] = 99.0  # never done
-    return Demonstration(seen, actions, "put the carton into the bin")
-
-
-def episodes(
-    seed: int, count: int = 40, width: int = 5, reach: bool = False
-) -> list[Demonstration]:
-    generator = np.random.default_rng(seed)
-    return [episode(generator, width, reach) for _ in range(count)]
-
-
 @pytest.fixture(scope="module")
 def shown() -> list[Demonstration]:
     return episodes(seed=1)
 
 
-def context(folder: Path, seed: int = 0, progress: Progress = no_progress) -> TrainingContext:
-    return TrainingContext(**vars(CONTEXT), folder=folder, seed=seed, progress=progress)
-
-
-def fit(
-    folder: Path,
-    shown: Sequence[Demonstration],
-    rollouts: Sequence[Demonstration] | None = None,
-    seed: int = 0,
-    kill_at: int = 99,
-    config: BcRnnConfig = BRIEF,
-) -> list[Path]:
-    def progress(done: int, total: int) -> None:
-        if done == kill_at:
-            raise KilledError
-
-    return list(config.fit(rollouts, shown, context(folder, seed, progress)))
-
-
-def contents(checkpoints: Sequence[Path]) -> list[bytes]:
-    return [(folder / "policy.safetensors").read_bytes() for folder in checkpoints]
-
-
-def act(policy: MotorPolicy, one: Demonstration, seed: int = 0) -> Floats:
-    """Return what the policy does while it is shown an episode."""
-    policy.reset(np.random.default_rng(seed))
-    actions = [policy.act(one.observations[row : row + 1]) for row in range(one.steps)]
-    return np.array(actions)
-
-
 @pytest.fixture(scope="module")
 def checkpoints(tmp_path_factory: pytest.TempPathFactory, shown: list[Demonstration]) -> list[Path]:
-    return fit(tmp_path_factory.mktemp("policy"), shown, config=CONFIG)
+    return train(CONFIG, tmp_path_factory.mktemp("policy"), shown)
 
 
 def test_it_does_what_was_shown(checkpoints: list[Path], shown: list[Demonstration]) -> None:
@@ -126,7 +60,7 @@ def test_the_loss_falls(checkpoints: list[Path], shown: list[Demonstration]) -> 
     batch = windows.batch(torch.arange(len(windows)))
     losses = []
     for checkpoint in checkpoints:
-        network, _ = load_bc_rnn(CONFIG, checkpoint, CONTEXT)
+        network, _ = load_network(bc_rnn(CONFIG), checkpoint, CONTEXT)
         with torch.inference_mode():
             losses.append(float(network.loss(batch, torch.Generator())))
     assert losses[1] < losses[0] < 0
@@ -138,8 +72,9 @@ def test_windows_repeat_the_last_step_at_the_end_of_an_episode() -> None:
     steps = [one.steps for one in shown]
     assert len(windows) == sum(steps)
     first = steps[0]  # the second episode's first step
-    inside, across = windows.batch(torch.tensor([first, first - 4]))._asdict().values()
-    assert inside.shape[:2] == across.shape[:2] == (2, 10)
+    inside, across, padded = windows.batch(torch.tensor([first, first - 4]))
+    assert inside.shape[:2] == across.shape[:2] == padded.shape == (2, 10)
+    assert padded.tolist() == [[False] * 10, [False] * 4 + [True] * 6]
     actions = torch.from_numpy(shown[1].actions[:10])
     torch.testing.assert_close(across[0], actions)
     ends = torch.from_numpy(shown[0].actions[steps[0] - 4 : steps[0]])
@@ -158,7 +93,7 @@ def test_what_was_seen_is_forgotten_after_each_window(
     """Of one component actions are drawn so narrowly that they tell the memory apart."""
     for horizon in (10, 3):
         config = BRIEF.model_copy(update={"components": 1, "horizon": horizon})
-        policy = config.load(fit(tmp_path / str(horizon), shown, config=config)[-1], CONTEXT)
+        policy = config.load(train(config, tmp_path / str(horizon), shown)[-1], CONTEXT)
         seen = shown[0].observations[:1]
         policy.reset(np.random.default_rng(0))
         actions = np.array([policy.act(seen) for _ in range(2 * horizon + 1)])
@@ -171,9 +106,9 @@ def test_what_was_seen_is_forgotten_after_each_window(
 def test_actions_are_means_of_a_component_that_is_drawn(
     tmp_path: Path, shown: list[Demonstration]
 ) -> None:
-    checkpoint = fit(tmp_path, shown)[-1]
+    checkpoint = train(BRIEF, tmp_path, shown)[-1]
     policy = BRIEF.load(checkpoint, CONTEXT)
-    network, encoder = load_bc_rnn(BRIEF, checkpoint, CONTEXT)
+    network, encoder = load_network(bc_rnn(BRIEF), checkpoint, CONTEXT)
     seen = shown[0].observations[:1]
     with torch.inference_mode():
         mixture, _ = network(torch.from_numpy(encoder.encode(seen))[:, None])
@@ -193,7 +128,7 @@ def test_actions_are_means_of_a_component_that_is_drawn(
 @pytest.mark.parametrize("width", [5, 6])
 def test_actions_are_as_wide_and_as_great_as_those_shown(tmp_path: Path, width: int) -> None:
     shown = episodes(seed=2, count=8, width=width)
-    policy = BRIEF.load(fit(tmp_path, shown)[-1], CONTEXT)
+    policy = BRIEF.load(train(BRIEF, tmp_path, shown)[-1], CONTEXT)
     steps = np.concatenate([one.actions[:-1] for one in shown])
     actions = act(policy, shown[0])
     assert actions.shape == (shown[0].steps, width) and actions.dtype == np.float64
@@ -228,7 +163,7 @@ def whole(
 ) -> list[bytes]:
     """Return the checkpoints of a brief training that was never killed."""
     folder = tmp_path_factory.mktemp("whole")
-    return contents(fit(folder, shown, rollouts, config=PRETRAINED))
+    return contents(train(PRETRAINED, folder, shown, rollouts))
 
 
 @pytest.mark.parametrize("epoch", [1, 2, 3, 4, 5])
@@ -241,25 +176,25 @@ def test_a_killed_training_goes_on_to_the_same_bits(
 ) -> None:
     """There are two epochs on the rollouts and three on the demonstrations."""
     with pytest.raises(KilledError):
-        fit(tmp_path, shown, rollouts, kill_at=epoch, config=PRETRAINED)
-    assert contents(fit(tmp_path, shown, rollouts, config=PRETRAINED)) == whole
+        train(PRETRAINED, tmp_path, shown, rollouts, kill_at=epoch)
+    assert contents(train(PRETRAINED, tmp_path, shown, rollouts)) == whole
 
 
 def test_the_seed_decides(
     tmp_path: Path, shown: list[Demonstration], rollouts: list[Demonstration], whole: list[bytes]
 ) -> None:
-    again = fit(tmp_path / "again", shown, rollouts, config=PRETRAINED)
+    again = train(PRETRAINED, tmp_path / "again", shown, rollouts)
     assert contents(again) == whole
-    assert contents(fit(tmp_path / "other", shown, rollouts, 1, config=PRETRAINED)) != whole
+    assert contents(train(PRETRAINED, tmp_path / "other", shown, rollouts, seed=1)) != whole
 
 
 def test_rollouts_matter_only_where_it_is_pretrained(
     tmp_path: Path, shown: list[Demonstration], rollouts: list[Demonstration], whole: list[bytes]
 ) -> None:
-    alone = contents(fit(tmp_path / "alone", shown))
-    assert contents(fit(tmp_path / "ignored", shown, rollouts)) == alone
+    alone = contents(train(BRIEF, tmp_path / "alone", shown))
+    assert contents(train(BRIEF, tmp_path / "ignored", shown, rollouts)) == alone
     assert alone != whole
-    fewer = fit(tmp_path / "fewer", shown, rollouts[:-1], config=PRETRAINED)
+    fewer = train(PRETRAINED, tmp_path / "fewer", shown, rollouts[:-1])
     assert contents(fewer) != whole
 
 
@@ -267,24 +202,24 @@ def test_a_training_does_not_go_on_with_other_data(
     tmp_path: Path, shown: list[Demonstration]
 ) -> None:
     with pytest.raises(KilledError):
-        fit(tmp_path, shown, kill_at=1)
+        train(BRIEF, tmp_path, shown, kill_at=1)
     with pytest.raises(PrimeError, match="left by a training with other settings, seed or data"):
-        fit(tmp_path, shown[1:])
+        train(BRIEF, tmp_path, shown[1:])
 
 
 def test_what_cannot_be_learnt_from_is_told(tmp_path: Path, shown: list[Demonstration]) -> None:
     still = Demonstration(shown[0].observations[:1], shown[0].actions[:1], "nothing")
     for nothing in ([], [still]):
         with pytest.raises(DatasetError, match=r"no motor action is in the demonstrations$"):
-            fit(tmp_path, nothing)
+            train(BRIEF, tmp_path, nothing)
     with pytest.raises(DatasetError, match=r"no motor action is in the rollouts$"):
-        fit(tmp_path, shown, [still], config=PRETRAINED)
+        train(PRETRAINED, tmp_path, shown, [still])
     wider = episodes(seed=2, count=1, width=6)
     with pytest.raises(DatasetError, match=r"the demonstrations have \[5, 6\] numbers: all must"):
-        fit(tmp_path, [*shown, *wider])
+        train(BRIEF, tmp_path, [*shown, *wider])
     text = "actions of the rollouts have 6 numbers, those of the demonstrations 5"
     with pytest.raises(DatasetError, match=text):
-        fit(tmp_path, shown, wider, config=PRETRAINED)
+        train(PRETRAINED, tmp_path, shown, wider)
 
 
 def test_a_folder_that_is_no_checkpoint_is_refused(
@@ -292,7 +227,7 @@ def test_a_folder_that_is_no_checkpoint_is_refused(
 ) -> None:
     with pytest.raises(PrimeError, match=r"holds no trained 'bc-rnn': model\.yaml is missing"):
         BRIEF.load(tmp_path, CONTEXT)
-    (first, _) = fit(tmp_path, shown)
+    (first, _) = train(BRIEF, tmp_path, shown)
     with pytest.raises(PrimeError, match=r"settings\.hidden is 8 there, 48 here"):
         BRIEF.model_copy(update={"hidden": 48}).load(first, CONTEXT)
     write_tensors(first / "policy.safetensors", {"weight": torch.zeros(2)}, {})
@@ -306,5 +241,5 @@ def test_a_folder_that_is_no_checkpoint_is_refused(
 def test_a_training_that_diverges_keeps_nothing(tmp_path: Path, shown: list[Demonstration]) -> None:
     wild = BRIEF.model_copy(update={"learning_rate": float("inf")})
     with pytest.raises(PrimeError, match="training 'policy' diverged in epoch 1"):
-        fit(tmp_path, shown, config=wild)
+        train(wild, tmp_path, shown)
     assert not list(tmp_path.rglob("*.safetensors"))

@@ -1,5 +1,6 @@
 """Learned primitives on real physics: trained from segments, built, run, kept."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -7,10 +8,13 @@ import pytest
 
 from prime_core.checks import check_primitive
 from prime_core.datasets.read import read_dataset, write_dataset
+from prime_core.deployment.exported_models import ExportedModels
 from prime_core.errors import ConfigurationError, DatasetError, WeightsError
 from prime_core.execution.motions import run_primitive, settle
+from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.learn_primitives import learn_primitives
-from prime_core.experiments.reading import read_experiment
+from prime_core.experiments.reading import dump_experiment, read_experiment
+from prime_core.experiments.results.policy_export import Choice, export_policy
 from prime_core.registry.fields import read_settings
 from prime_primitives_learned.config import LearnedConfig
 from prime_primitives_scripted.grasp import GraspConfig
@@ -72,8 +76,6 @@ def test_trained_again_it_is_the_same(shown: Shown, trained: Path, tmp_path: Pat
 
 
 def test_an_experiment_trains_what_its_segments_name(shown: Shown, tmp_path: Path) -> None:
-    from prime_core.experiments.experiment import Experiment
-
     root = Path(__file__).parents[2]
     tiny = (root / "tests" / "tiny_experiment.txt").read_text().split()
     learned = {"type": "learned/grasp", "segments": str(shown.dataset), "policy": SHORT}
@@ -88,6 +90,38 @@ def test_an_experiment_trains_what_its_segments_name(shown: Shown, tmp_path: Pat
     assert [item.name for item in world.primitives] == ["reach", "grasp", "place"]
     assert isinstance(world.primitives[1].maximum_steps, int)
     assert (experiment.stages["primitives"].folder / "grasp" / "primitive.yaml").is_file()
+
+
+def test_what_was_trained_is_exported_with_a_policy(shown: Shown, tmp_path: Path) -> None:
+    """Of a run that is gone since, as on a robot."""
+    root = Path(__file__).parents[2]
+    learned = {"type": "learned/grasp", "segments": str(shown.dataset), "policy": SHORT}
+    settings = [
+        f"primitives.1={learned}",
+        "demonstrations.count=1",
+        "policies={motor: {type: bc-rnn, hidden: 8, epochs: 1, steps_per_epoch: 2}}",
+        "compute.workers=0",
+    ]
+    config = read_experiment(root / "experiments/lift_quick.yaml", settings)
+    experiment = Experiment(config, tmp_path / "run")
+    experiment.evaluations["motor"].training.results()
+    (tmp_path / "run" / "experiment.yaml").write_text(dump_experiment(config))
+    export_policy(tmp_path / "run", Choice(), tmp_path / "without")
+    assert ExportedModels.open(tmp_path / "without").primitives() == ()
+    assert experiment.learned is not None
+    experiment.learned.results()
+    export_policy(tmp_path / "run", Choice(), tmp_path / "exported")
+    shutil.rmtree(tmp_path / "run")
+    models = ExportedModels.open(tmp_path / "exported")
+    assert models.manifest.primitives[1]["trained"] == "primitives/grasp"
+    reach, grasp, place = models.primitives()
+    environment = shown.environment
+    environment.reset(seed=5)
+    settle(environment)
+    drawn = grasp.propose(environment.scene(), np.random.default_rng(0))
+    execution = run_primitive(environment, grasp, drawn)
+    assert [item.name for item in (reach, grasp, place)] == ["reach", "grasp", "place"]
+    assert execution.steps > 3
 
 
 def test_mistakes_are_told(shown: Shown, trained: Path, tmp_path: Path) -> None:

@@ -40,10 +40,16 @@ def read_results(path: Path) -> dict[str, Any]:
     try:
         figures_of(found)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise PrimeError(
-            f"{file}: 'results' or 'variants' is not what prime run leaves: {error!r}"
-        ) from None
+        raise PrimeError(f"{file}: what it holds is not what prime run leaves: {error!r}") from None
     return found
+
+
+def whole_results(path: Path) -> dict[str, Any]:
+    """Return what `read_results` does, or nothing if the file is damaged or there is none."""
+    try:
+        return read_results(path)
+    except PrimeError:
+        return {}
 
 
 def comparison_rows(files: Sequence[dict[str, Any]]) -> list[list[str]]:

@@ -12,13 +12,29 @@ def figures_of(file: dict[str, Any]) -> Figures:
     Args:
         file: What ``results.json`` holds, or a part of it.
     """
-    found = _figures(file["results"])
+    trainings = trainings_of(file)
+    found = _figures(file["results"], trainings, "")
     for name, variant in file.get("variants", {}).items():  # older files have none
-        found |= {f"{name}: {what}": figure for what, figure in _figures(variant).items()}
+        own = _figures(variant, trainings, f"{name}/")
+        found |= {f"{name}: {what}": figure for what, figure in own.items()}
     return found
 
 
-def _figures(results: dict[str, Any]) -> Figures:
+def trainings_of(file: dict[str, Any]) -> dict[str, str]:
+    """Return what trainings of policies cost, in words, by the names of their stages.
+
+    Args:
+        file: As for `figures_of`; files of earlier versions say nothing of parameters.
+    """
+    parameters = file.get("parameters", {})
+    return {
+        name: training_cost(timing, parameters.get(name))
+        for name, timing in file.get("timing", {}).items()
+        if name.rpartition("/")[2].startswith("policy.")
+    }
+
+
+def _figures(results: dict[str, Any], trainings: dict[str, str], variant: str) -> Figures:
     found: Figures = {}
     left_out = results.get("demonstrations", {}).get("left_out")
     if left_out:
@@ -42,9 +58,10 @@ def _figures(results: dict[str, Any]) -> Figures:
         )
         if "other_share" in parsing:
             found["steps that no primitive explains"] = f"{parsing['other_share']:.1%}"
-    for name, values in results.items():
-        if name.startswith("evaluation."):
-            found |= _policy(name.removeprefix("evaluation."), values)
+    evaluated = [name for name in results if name.startswith("evaluation.")]
+    for name in evaluated:
+        policy = name.removeprefix("evaluation.")
+        found |= _policy(policy, results[name], trainings.get(f"{variant}policy.{policy}"))
     return found
 
 
@@ -95,7 +112,7 @@ def _idm(values: dict[str, Any]) -> Figures:
     return found
 
 
-def _policy(name: str, values: dict[str, Any]) -> Figures:
+def _policy(name: str, values: dict[str, Any], training: str | None) -> Figures:
     success = values["success"]
     found = {
         f"{name}: best checkpoints": (
@@ -108,4 +125,27 @@ def _policy(name: str, values: dict[str, Any]) -> Figures:
             f"{values['fresh']['mean']:.3f} [{low:.3f}, {high:.3f}], "
             f"{values['fresh']['trials']} trials"
         )
+    if training is not None:
+        found[f"{name}: training"] = training
     return found
+
+
+def training_cost(timing: dict[str, Any], parameters: int | None) -> str:
+    """Return what a policy costs, in words: of one seed's training, and its size.
+
+    Args:
+        timing: As `costs.timing_of`.
+        parameters: As `costs.parameters_of`.
+    """
+    seconds = timing["process_seconds"] / timing["items"]
+    gigabytes = timing["peak_megabytes"] * 2**20 / 1e9
+    cost = f"{seconds:,.0f} s and {gigabytes:.1f} GB a seed"
+    if parameters is None:
+        return cost
+    return f"{cost}, {_rounded(parameters)} parameters"
+
+
+def _rounded(number: int) -> str:
+    if number < 1000:
+        return str(number)
+    return f"{number / 1e3:.0f}k" if number < 999_500 else f"{number / 1e6:.1f}M"

@@ -5,21 +5,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.other_code import other_code_in
 from prime_core.experiments.results.checksum import with_checksum
-from prime_core.experiments.results.comparison import read_results
-from prime_core.experiments.results.provenance import _commit, versions
+from prime_core.experiments.results.comparison import whole_results
+from prime_core.experiments.results.costs import parameters_of, timing_of
+from prime_core.experiments.results.provenance import commit, versions
 from prime_core.experiments.results.summaries import summarise
-from prime_core.experiments.run_folder.seal import TIMING
-from prime_core.experiments.running import wall_seconds
 from prime_core.experiments.stages.evaluation import Evaluation
 from prime_core.experiments.stages.stage import Stage
 from prime_core.files import new_file
+from prime_core.registry.fields import dump_choice
 
 _OF_STAGES = ("results", "variants", "timing", "other_code")
 """Keys of the results that change only where a stage was done."""
+
+_OF_COMMAND = ("command", "commit", "versions", "seeds")
+"""Keys that say what the stages were done by."""
 
 
 def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, Any]:
@@ -38,8 +40,9 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
     done = {name: stage for name, stage in experiment.stages.items() if not stage.missing()}
     results = {
         "name": experiment.config.name,
+        "environment": dump_choice(experiment.config.environment),
         "command": list(command),
-        "commit": _commit(),
+        "commit": commit(),
         "versions": versions(),
         "seeds": {
             "experiment": experiment.config.seed,
@@ -51,24 +54,22 @@ def write_results(experiment: Experiment, command: Sequence[str]) -> dict[str, A
             name: _gather(variant, experiment.differing(name), f"trials-{name}.")
             for name, variant in experiment.variants.items()
         },
-        "timing": {name: _timing(stage) for name, stage in done.items()},
+        "timing": {name: timing_of(stage) for name, stage in done.items()},
+        "parameters": {
+            name: count
+            for name, count in ((name, parameters_of(stage)) for name, stage in done.items())
+            if count is not None
+        },
         "other_code": other_code_in(experiment),
     }
     path = experiment.folder / "results.json"
-    before = _whole(path)
+    before = whole_results(path)
     if before and all(before.get(key, {}) == results[key] for key in _OF_STAGES):
-        return before  # nothing was done: the command that did it stays
+        # Nothing was done: the command that did it stays.
+        results |= {key: before[key] for key in _OF_COMMAND if key in before}
     results = with_checksum(results)
     write_if_changed(path, json.dumps(results, indent=1))
     return results
-
-
-def _whole(path: Path) -> dict[str, Any]:
-    """Return the results that are there, or nothing if they are damaged or none."""
-    try:
-        return read_results(path)
-    except PrimeError:
-        return {}
 
 
 def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> dict[str, Any]:
@@ -89,16 +90,6 @@ def _gather(experiment: Experiment, stages: dict[str, Stage], trials: str) -> di
             path = experiment.folder / f"{trials}{name.removeprefix('evaluation.')}.json"
             write_if_changed(path, text)
     return found
-
-
-def _timing(stage: Stage) -> dict[str, Any]:
-    timings = [item[TIMING] for item in stage.results()]
-    return {
-        "items": len(timings),
-        "wall_seconds": round(wall_seconds(stage), 2),
-        "process_seconds": round(sum(item["seconds"] for item in timings), 2),
-        "peak_megabytes": round(max(item["peak_bytes"] for item in timings) / 2**20),
-    }
 
 
 def write_if_changed(path: Path, text: str) -> None:

@@ -24,7 +24,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _commit() -> str | None:
+def commit() -> str | None:
     """Return the commit of the checkout that runs, with ``+changes`` where it has any."""
     here = Path(__file__).parent
     try:

@@ -1,5 +1,6 @@
 """Shows the results of an experiment as a table."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from rich.table import Table
@@ -23,8 +24,13 @@ def summary_table(results: dict[str, Any]) -> Table:
     return table
 
 
-def stage_table(experiment: Experiment) -> Table:
-    """Return which stages are done, and where they keep what they made."""
+def stage_table(experiment: Experiment, trainings: Mapping[str, str]) -> Table:
+    """Return which stages are done, and where they keep what they made.
+
+    Args:
+        experiment: Whose stages.
+        trainings: What trainings of policies cost, as far as it is known; see `trainings_of`.
+    """
     table = Table(title="stages", title_justify="left")
     table.add_column("stage")
     table.add_column("done", justify="right")
@@ -36,6 +42,7 @@ def stage_table(experiment: Experiment) -> Table:
         total, missing = len(stage.items()), len(stage.missing())
         mark = "[green]✓[/] " if not missing else ""
         where = stage.folder.relative_to(experiment.folder)
-        cells = [name, f"{mark}{total - missing}/{total} {stage.unit}", str(where)]
+        done = [f"{mark}{total - missing}/{total} {stage.unit}", trainings.get(name, "")]
+        cells = [name, "\n".join(filter(None, done)), str(where)]
         table.add_row(*cells, *([describe(other.get(name, []))] if other else []))
     return table

@@ -36,8 +36,8 @@ class PlaceError(PrimeError):
 
     def __init__(self, place: Path | str, reason: str) -> None:
         super().__init__(
-            f"{place}: {reason}. Make it writable or make space, or choose another place with "
-            "--out; then run again: what is finished is kept"
+            f"{place}: {reason}. Make it writable or make space, or choose another place; "
+            "then run again: what is finished is kept"
         )
 
 

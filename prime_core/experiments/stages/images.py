@@ -15,7 +15,7 @@ from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.images import CameraConfig, ChosenImages
 from prime_core.contracts.observations import Observations
-from prime_core.datasets.image_files import SUFFIX, ImageFile, write_images
+from prime_core.datasets.images.files import SUFFIX, ImageFile, write_images
 from prime_core.execution.demonstrated_images import DemonstratedImages
 from prime_core.execution.live_images import with_live_images
 from prime_core.experiments.stages.collection import Collection

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Literal, overload
 
 from pydantic import Field
@@ -10,8 +9,7 @@ from pydantic import Field
 from prime_core.collection.recording import CollectedEpisode
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.observations import Observations
-from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
-from prime_core.execution.settings import RunnerConfig
+from prime_core.contracts.policy import MotorPolicyConfig
 from prime_core.execution.world import World
 from prime_core.experiments.stages.collection import Collection
 from prime_core.experiments.stages.demonstrations import Demonstrations
@@ -19,7 +17,6 @@ from prime_core.experiments.stages.images import with_images
 from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.primitive_policy import PrimitivePolicyTraining
 from prime_core.experiments.stages.stage import Result
-from prime_core.learning.perceived import PerceivedMotorPolicy
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
 
@@ -93,12 +90,6 @@ class MotorPolicyTraining(PolicyTraining):
             context = self.training_context(world, item)
             checkpoints = self.config.fit(rollouts, demonstrations, context)
             yield {"checkpoints": [str(path.relative_to(self.folder)) for path in checkpoints]}
-
-    def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
-        """Load a checkpoint; it makes no calls, so that the runner's settings mean nothing."""
-        policy = self.config.load(checkpoint, self.context(world))
-        perception = self.load_perception()
-        return policy if perception is None else PerceivedMotorPolicy(perception, policy)
 
 
 AnyPolicyTraining = Annotated[

@@ -72,9 +72,10 @@ def _plain(segment: Segment) -> Result:
         "primitive": segment.call.primitive,
         "parameters": [float(value) for value in segment.call.parameters],
         "log_probability": float(segment.log_probability),
+        "confidence": segment.confidence,
     }
 
 
 def _segment(row: Result) -> Segment:
     call = PrimitiveCall(row["primitive"], np.array(row["parameters"], dtype=np.float64))
-    return Segment(row["start"], row["end"], call, row["log_probability"])
+    return Segment(row["start"], row["end"], call, row["log_probability"], row.get("confidence"))

@@ -8,6 +8,7 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.perception import Perception
 from prime_core.contracts.policy import MotorPolicy, PolicyConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
+from prime_core.deployment.acting import acting_policy
 from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
 from prime_core.experiments.stages.images import CollectionImages, DemonstrationImages
@@ -41,7 +42,6 @@ class PolicyTraining(Stage):
     def build_world(self) -> World:
         """Build where the policy acts."""
 
-    @abstractmethod
     def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> MotorPolicy:
         """Load a checkpoint as something that acts.
 
@@ -50,6 +50,8 @@ class PolicyTraining(Stage):
             world: From `build_world`.
             runner: How calls of primitives are run, if the policy makes any.
         """
+        context, perception = self.context(world), self.load_perception()
+        return acting_policy(self.config, checkpoint, context, perception, world.primitives, runner)
 
     def items(self) -> list[str]:
         """Return the seeds."""

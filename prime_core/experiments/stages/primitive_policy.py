@@ -1,7 +1,6 @@
 """The stage that trains policies over primitives."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Literal
 
 from prime_core.collection.rollouts import RolloutTable
@@ -9,14 +8,12 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.policy import PrimitivePolicyConfig
 from prime_core.contracts.training import CallData
 from prime_core.errors import PrimeError
-from prime_core.execution.runner import PrimitiveRunner
-from prime_core.execution.settings import RunnerConfig
 from prime_core.execution.world import World
 from prime_core.experiments.stages.parsing import Parsing
 from prime_core.experiments.stages.policy import PolicyTraining
 from prime_core.experiments.stages.stage import Result
 from prime_core.learning.augmentation import AugmentationConfig, augmented_calls, rollout_calls
-from prime_core.learning.perceived import PerceivedPolicy, perceived_calls
+from prime_core.learning.perceived import perceived_calls
 from prime_core.registry.building import build_world
 from prime_core.registry.fields import read_settings
 from prime_core.seeds import Stream, generator_of
@@ -68,11 +65,3 @@ class PrimitivePolicyTraining(PolicyTraining):
         if self.rollout_images is not None:
             return rollout_calls(self.rollout_images.table())
         return rollout_calls(RolloutTable(self.parsing.idm.collection.episodes()))
-
-    def load(self, checkpoint: Path, world: World, runner: RunnerConfig) -> PrimitiveRunner:
-        """Load a checkpoint with the runner that makes its calls; see `PolicyTraining`."""
-        policy = self.config.load(checkpoint, self.context(world))
-        perception = self.load_perception()
-        if perception is not None:
-            policy = PerceivedPolicy(perception, policy)
-        return PrimitiveRunner(policy, world.primitives, world.description, runner)

@@ -13,7 +13,7 @@ import pytest
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.datasets.demonstrator import LeRobotDemonstratorConfig
-from prime_core.datasets.parquet_reader import read_table
+from prime_core.datasets.files.parquet_reader import read_table
 from prime_core.datasets.read import read_demonstrations, write_dataset
 
 from ...lost_rights import without_rights
@@ -53,7 +53,7 @@ def test_one_bad_episode_does_not_end_the_others(tmp_path: Path) -> None:
 def test_a_broken_data_file_costs_its_own_episodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("prime_core.datasets.layout.DATA_FILE_MEGABYTES", 0.01)
+    monkeypatch.setattr("prime_core.datasets.files.layout.DATA_FILE_MEGABYTES", 0.01)
     written = write(tmp_path / "set")
     broken = tmp_path / "set/data/chunk-000/file-001.parquet"
     broken.write_bytes(broken.read_bytes()[:500])
@@ -100,8 +100,8 @@ def test_reading_is_linear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         read.append(path)
         return read_table(path, *arguments)
 
-    monkeypatch.setattr("prime_core.datasets.episodes.read_table", counted)
-    monkeypatch.setattr("prime_core.datasets.layout.DATA_FILE_MEGABYTES", 0.1)
+    monkeypatch.setattr("prime_core.datasets.files.episodes.read_table", counted)
+    monkeypatch.setattr("prime_core.datasets.files.layout.DATA_FILE_MEGABYTES", 0.1)
     seconds = []
     for count in (200, 800):
         folder = tmp_path / str(count)

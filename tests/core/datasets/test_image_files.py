@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prime_core.datasets.image_files import SUFFIX, ImageFile, write_images
+from prime_core.datasets.images.files import SUFFIX, ImageFile, write_images
 from prime_core.errors import DamagedError
 
 

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from prime_core.contracts.demonstration import Demonstration
-from prime_core.datasets import layout
+from prime_core.datasets.files import layout
 from prime_core.datasets.read import read_dataset, write_dataset
 from prime_core.errors import DatasetError, DemonstrationError
 

@@ -75,14 +75,8 @@ def test_images_of_lerobots_recorder_are_read(tmp_path: Path, lerobot: Any) -> N
 
 
 def test_videos_of_lerobots_recorder_are_read(tmp_path: Path, lerobot: Any) -> None:
-    """Each frame has its own grey; episodes share a file, and one has a file of its own."""
-    written = []
-    for seed in range(3):
-        item = demonstration(6, seed, simulated=False)
-        greys = np.arange(6, dtype=np.uint8) * 13 + 70 * seed + 20
-        frames = np.broadcast_to(greys[:, None, None, None], (6, 48, 64, 3)).copy()
-        frames[:, :24, :, 0] += 10  # what is up, and what is red
-        written.append(replace(item, observations=replace(item.observations, images={"a": frames})))
+    """Episodes share a file, and one has a file of its own."""
+    written = [grey(seed) for seed in range(3)]
     camera = {"observation.images.a": {"dtype": "video", "shape": (48, 64, 3), "names": SIDES}}
     root = tmp_path / "set"
     recorder = lerobot.create("local/set", 20, FEATURES | camera, root=root, use_videos=True)
@@ -90,6 +84,36 @@ def test_videos_of_lerobots_recorder_are_read(tmp_path: Path, lerobot: Any) -> N
     record(recorder, written[1])
     record(lerobot.resume("local/set", root=root), written[2])
     assert (root / "videos/observation.images.a/chunk-000/file-001.mp4").is_file()
+    assert_same_videos(root, written, lerobot)
+
+
+def test_lerobot_opens_and_resumes_what_has_videos(tmp_path: Path, lerobot: Any) -> None:
+    written = [grey(seed) for seed in range(3)]
+    root = tmp_path / "set"
+    write_dataset(root, written[:2], DESCRIPTION, videos=True)
+    assert_same_videos(root, written[:2], lerobot)
+    theirs = lerobot("local/set", root=root, video_backend="pyav").meta
+    assert theirs.video_keys == ["observation.images.a"]
+    assert theirs.stats["observation.images.a"]["mean"].shape == (3, 1, 1)
+    record(lerobot.resume("local/set", root=root), written[2])
+    assert_same_videos(root, written, lerobot)
+    write_dataset(tmp_path / "again", read_dataset(root).demonstrations, DESCRIPTION, videos=True)
+    assert_same_videos(tmp_path / "again", written, lerobot)
+    name = "videos/observation.images.a/chunk-000/file-000.mp4"
+    assert (tmp_path / "again" / name).read_bytes() == (root / name).read_bytes()
+
+
+def grey(seed: int) -> Demonstration:
+    """Return a demonstration with six images, each of its own grey."""
+    item = demonstration(6, seed, simulated=False)
+    greys = np.arange(6, dtype=np.uint8) * 13 + 70 * seed + 20
+    frames = np.broadcast_to(greys[:, None, None, None], (6, 48, 64, 3)).copy()
+    frames[:, :24, :, 0] += 10  # what is up, and what is red
+    return replace(item, observations=replace(item.observations, images={"a": frames}))
+
+
+def assert_same_videos(root: Path, written: list[Demonstration], lerobot: Any) -> None:
+    """Assert that we and LeRobot see the same in the videos of a data set, which is right."""
     found = read_dataset(root).demonstrations
     opened = lerobot("local/set", root=root, video_backend="pyav")
     for number, (one, wanted) in enumerate(zip(found, written, strict=True)):

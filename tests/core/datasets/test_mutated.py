@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from prime_core.datasets import parquet_reader
+from prime_core.datasets.files import parquet_reader
 
 from .edits import INFO, edit_info, refusal
 from .samples import DATA, EPISODES, write

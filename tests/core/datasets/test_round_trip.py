@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from prime_core.contracts.observations import Observations
-from prime_core.datasets import layout as lerobot_layout
+from prime_core.datasets.files import layout as lerobot_layout
 from prime_core.datasets.read import count_episodes, read_dataset, write_dataset
 from prime_core.errors import DatasetError
 

@@ -47,7 +47,7 @@ def test_a_failure_leaves_the_old_one(tmp_path: Path, monkeypatch: pytest.Monkey
     def fail(*_: object) -> None:
         raise OSError("no space left on device")
 
-    monkeypatch.setattr("prime_core.datasets.parquet_writer._write_episodes", fail)
+    monkeypatch.setattr("prime_core.datasets.parquet_writer.write_episodes", fail)
     with pytest.raises(OSError, match="no space left"):
         write(tmp_path / "set", replace=True)
     with pytest.raises(OSError, match="no space left"):

@@ -220,14 +220,14 @@ def test_records_tell_where_calls_began_and_ended() -> None:
     runner = run_by(Chooses(choose), *primitives, config=PLAIN)
     trial = run_trial(NeverSolved(), primitives, runner, np.random.default_rng(0), 9)
 
-    def row(record: CallRecord) -> tuple[str, int, int]:
-        return record.call.primitive, record.start, record.end
+    def row(record: CallRecord) -> tuple[str, int, int, str | None]:
+        return record.call.primitive, record.start, record.end, record.ending
 
     assert [row(record) for record in runner.records] == [
-        ("rise", 0, 2),
-        ("brief", 2, 4),  # its limit of steps
-        ("stay", 4, 5),  # the step that it costs
-        ("rise", 5, 9),  # the trial's limit of steps
+        ("rise", 0, 2, "finished"),
+        ("brief", 2, 4, "step limit"),
+        ("stay", 4, 5, "at once"),  # the step that it costs
+        ("rise", 5, 9, None),  # the trial's limit of steps
     ]
     assert trial.steps == 9
 

@@ -6,16 +6,23 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
+from rich.console import Console
 
+from prime_core.checks.samples import DESCRIPTION
 from prime_core.cli.run import run
+from prime_core.datasets.write import write_dataset
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.reading import apply_setting, validate_experiment
+from prime_core.experiments.running import run_experiment
 from prime_core.registry import builtin
 from prime_core.registry.loading import Plugins
 
-from .toy_pack import PACK
+from ..datasets.edits import edit_column, rows
+from ..datasets.samples import DATA
+from .toy_pack import PACK, ClimberConfig, PointMassConfig
 
 TESTS = Path(__file__).parents[2]
 TOY = """
@@ -111,3 +118,27 @@ def prime_command(tmp_path: Path) -> Callable[..., "subprocess.Popen[str]"]:
         )
 
     return start
+
+
+@pytest.fixture
+def climbs(tmp_path: Path) -> Path:
+    """Write a data set of three climbs, of which the second holds a NaN."""
+    climber, environment = ClimberConfig(count=3), PointMassConfig()
+    shown = [climber.demonstrate(environment, index, 7) for index in range(3)]
+    write_dataset(tmp_path / "climbs", shown, DESCRIPTION)
+    first = len(shown[0].observations)
+
+    def holed(values: np.ndarray) -> np.ndarray:
+        values[first + 2, 1] = np.nan
+        return values
+
+    edit_column(tmp_path / "climbs", DATA, "action", rows(holed))
+    return tmp_path / "climbs"
+
+
+@pytest.fixture
+def trained(toy: Callable[..., Experiment]) -> Path:
+    """Return the folder of a run whose IDM is trained."""
+    job = toy()
+    run_experiment(job, Console(quiet=True), "idm")
+    return job.folder

@@ -50,8 +50,8 @@ def test_markdown_has_a_heading() -> None:
         (None, "there is no such file: prime run leaves one"),
         ("{", "cannot be read as JSON"),
         ("[]", "a results file has the keys 'name' and 'results'"),
-        ('{"name": "x", "results": []}', "'results' or 'variants' is not what prime run leaves"),
-        ('{"name": "x", "results": {}, "variants": []}', "'results' or 'variants' is not what"),
+        ('{"name": "x", "results": []}', "what it holds is not what prime run leaves"),
+        ('{"name": "x", "results": {}, "variants": []}', "what it holds is not what"),
         ('{"name": "x", "results": {"idm": {}}}', "KeyError\\('balanced_accuracy'\\)"),
     ],
 )
@@ -71,7 +71,7 @@ STRANGE = {
     "a name that is none": ('{"name": ["a"], "results": {}}', "'name' is ['a']; it must be a text"),
     "a number beyond all floats": (
         json.dumps({"name": "a", "results": {"idm": {"balanced_accuracy": 10**400}}}),
-        "'results' or 'variants' is not what prime run leaves: OverflowError(",
+        "what it holds is not what prime run leaves: OverflowError(",
     ),
     "too few numbers": (
         json.dumps(
@@ -85,7 +85,7 @@ STRANGE = {
                 },
             }
         ),
-        "'results' or 'variants' is not what prime run leaves: ValueError(",
+        "what it holds is not what prime run leaves: ValueError(",
     ),
 }
 

@@ -5,13 +5,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from rich.console import Console
 
 from prime_core.checks.samples import DESCRIPTION
 from prime_core.cli.parse import parse
-from prime_core.datasets.read import read_dataset, write_dataset
+from prime_core.datasets.read import read_dataset
 from prime_core.errors import DatasetError
 from prime_core.experiments.experiment import Experiment
 from prime_core.experiments.parse_dataset import parse_foreign
@@ -19,8 +18,7 @@ from prime_core.experiments.results.figures import figures_of
 from prime_core.experiments.results.gathering import write_results
 from prime_core.experiments.running import run_experiment
 
-from ..datasets.test_foreign import DATA, edit_column, rows
-from .toy_pack import ClimberConfig, PointMassConfig
+from ..datasets.samples import DATA
 
 Make = Callable[..., Experiment]
 
@@ -67,22 +65,6 @@ def test_no_demonstration_at_all_is_an_error(toy: Make) -> None:
     assert str(caught.value) == (
         "1 of 1 demonstrations cannot be used:\n  0: climb 0 was not recorded"
     )
-
-
-@pytest.fixture
-def climbs(tmp_path: Path) -> Path:
-    """Write a data set of three climbs, of which the second holds a NaN."""
-    climber, environment = ClimberConfig(count=3), PointMassConfig()
-    shown = [climber.demonstrate(environment, index, 7) for index in range(3)]
-    write_dataset(tmp_path / "climbs", shown, DESCRIPTION)
-    first = len(shown[0].observations)
-
-    def holed(values: np.ndarray) -> np.ndarray:
-        values[first + 2, 1] = np.nan
-        return values
-
-    edit_column(tmp_path / "climbs", DATA, "action", rows(holed))
-    return tmp_path / "climbs"
 
 
 def test_prime_parse_lists_what_it_left_out(

@@ -21,7 +21,7 @@ from prime_core.experiments.running import _told
 
 Run = Callable[..., None]
 Start = Callable[..., "subprocess.Popen[str]"]
-ADVICE = "or choose another place with --out; then run again: what is finished is kept"
+ADVICE = "or choose another place; then run again: what is finished is kept"
 
 
 @contextmanager

@@ -22,7 +22,7 @@ OWN = (
     "scripted/reach",
     "learned/any",
     "mlp-gmm",
-    "bc-rnn, prime",
+    "bc-rnn, lerobot/act, lerobot/diffusion, prime",
     "dp, ",
     "lerobot",
 )

@@ -18,12 +18,17 @@ def register_idms(register: Register) -> None:
 
 @hookimpl
 def register_policies(register: Register) -> None:
-    """Register the policies ``prime``, over primitives, and ``bc-rnn``, over motor actions."""
+    """Register ``prime``, over primitives, and those over motor actions."""
+    from prime_policies.lerobot.config import ActConfig, DiffusionConfig
     from prime_policies.motor.config import BcRnnConfig
     from prime_policies.primitive_policy.config import PrimePolicyConfig
+    from prime_policies.sailor.config import SailorConfig
 
     register("bc-rnn", BcRnnConfig)
+    register("lerobot/act", ActConfig)
+    register("lerobot/diffusion", DiffusionConfig)
     register("prime", PrimePolicyConfig)
+    register("sailor", SailorConfig)
 
 
 @hookimpl

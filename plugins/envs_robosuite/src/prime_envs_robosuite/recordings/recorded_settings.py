@@ -62,6 +62,27 @@ ROBOSUITES_SCALE = ActionScale(-np.ones(6), np.ones(6), -_SCALES, _SCALES)
 """That of robosuite's default for a Panda."""
 
 
+def read_task_of(path: Path, data: Any) -> str:
+    """Return robosuite's name of the task that a file was recorded in.
+
+    Args:
+        path: Of the file.
+        data: The group of demonstrations.
+
+    Raises:
+        DatasetError: If the file names none.
+    """
+    where = f"{path}: group 'data'"
+    arguments = table_of(where, data, "env_args") or {}
+    found = text_of(where, data, "env") or arguments.get("env_name")
+    if not isinstance(found, str) or not found:
+        raise DatasetError(
+            f"{where} names no recorded task: it has neither an attribute 'env' (robosuite) nor "
+            "'env_args' with an env_name (robomimic)"
+        )
+    return found
+
+
 def read_settings_of(path: Path, data: Any, task: str) -> ActionScale:
     """Check what a file says of itself.
 
@@ -96,11 +117,7 @@ def read_settings_of(path: Path, data: Any, task: str) -> ActionScale:
                 f"{path}: attribute {source!r} of 'data' names {found!r}; the environment takes "
                 f"recordings of {task!r}"
             )
-    if not any(named.values()):
-        raise DatasetError(
-            f"{path}: group 'data' names no recorded task: it has neither an attribute 'env' "
-            "(robosuite) nor 'env_args' with an env_name (robomimic)"
-        )
+    read_task_of(path, data)
     scale = ROBOSUITES_SCALE
     for source, settings in told.items():
         if settings is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from prime_core.configuration import LocalPath
+from prime_core.configuration import ConfigDump, LocalPath
 from prime_core.contracts.demonstration import Demonstration, RecordedDemonstratorConfig
 from prime_core.contracts.environment import CONTROL_FREQUENCY, EnvironmentConfig
 from prime_core.errors import DatasetError, DemonstrationError
@@ -21,7 +21,10 @@ from prime_envs_robosuite.recordings.hdf5_file import (
     told,
 )
 from prime_envs_robosuite.recordings.joint_states import JointState, read_joint_state
-from prime_envs_robosuite.recordings.recorded_settings import read_settings_of
+from prime_envs_robosuite.recordings.recorded_settings import (
+    read_settings_of,
+    read_task_of,
+)
 from prime_envs_robosuite.recordings.whole_states import restore, whole_states
 
 if TYPE_CHECKING:
@@ -30,6 +33,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NAME = "robosuite-hdf5"
+ENVIRONMENTS: dict[str, ConfigDump] = {
+    "Lift": {"type": "robosuite/lift"},
+    **{
+        f"PickPlace{name.capitalize()}": {"type": "robosuite/pick-place", "object": name}
+        for name in ("milk", "bread", "cereal", "can")
+    },
+}
+"""Ours by robosuite's name of the task."""
 OSC_WIDTH = 7  # displacement, rotation vector, gripper
 CLOCK_TOLERANCE = 1e-3  # [s]
 
@@ -59,6 +70,21 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
     def reads(cls, source: Path) -> bool:
         """Whether it is a file by one of HDF5's usual endings."""
         return source.is_file() and source.suffix.lower() in (".hdf5", ".h5")
+
+    def recorded_environment(self) -> ConfigDump:
+        """Return our environment of the task that the file names.
+
+        Raises:
+            DatasetError: If it cannot be read, or names none that is known here.
+        """
+        with open_file(self.path) as file, told(str(self.path), DatasetError):
+            task = read_task_of(self.path, data_of(self.path, file))
+        if task not in ENVIRONMENTS:
+            raise DatasetError(
+                f"{self.path}: was recorded in robosuite's {task!r}; there are environments of "
+                f"{', '.join(ENVIRONMENTS)}"
+            )
+        return dict(ENVIRONMENTS[task])
 
     def count_available(self) -> int:
         """How many demonstrations the file has or the settings name."""

@@ -4,17 +4,17 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from prime_policies.motor.fitting import Design, MotorNetwork
 from prime_policies.motor.scaling import Scaling
 from prime_policies.motor.settings import BcRnnSettings
 from prime_policies.motor.windows import WindowBatch
 from prime_policies.networks.mixture import Mixture, log_density
-from prime_policies.networks.network import Network
 
 Memory = tuple[Tensor, Tensor]
 """State of the recurrent layers: hidden and cell state."""
 
 
-class BcRnn(Network):
+class BcRnn(MotorNetwork):
     """p(action | what was seen in this window so far), normalised.
 
     Args:
@@ -63,3 +63,12 @@ class BcRnn(Network):
         """Return the mean negative log likelihood of the actions; there is no noise."""
         mixture, _ = self(batch.features)
         return -log_density(mixture, self.scaling.targets(batch.actions).flatten(end_dim=1)).mean()
+
+
+def bc_rnn(settings: BcRnnSettings) -> Design[BcRnn]:
+    """Return what is trained as ``bc-rnn``."""
+
+    def build(features: int, actions: int) -> BcRnn:
+        return BcRnn(features, actions, settings)
+
+    return Design("bc-rnn", 1, settings, build, settings.horizon)

@@ -33,13 +33,16 @@ class BcRnnConfig(MotorPolicyConfig, BcRnnSettings):
         context: TrainingContext,
     ) -> Sequence[Path]:
         """Train the network on windows of episodes; see `MotorPolicyConfig`."""
-        from prime_policies.motor.fitting import fit_bc_rnn
+        from prime_policies.motor.bc_rnn import bc_rnn
+        from prime_policies.motor.fitting import fit_network
 
-        return fit_bc_rnn(self, rollouts if self.pretrain else None, demonstrations, context)
+        shown_before = rollouts if self.pretrain else None
+        return fit_network(bc_rnn(self), shown_before, demonstrations, context)
 
     def load(self, checkpoint: Path, context: ModelContext) -> MotorPolicy:
         """Load the network of a checkpoint; see `MotorPolicyConfig`."""
-        from prime_policies.motor.fitting import load_bc_rnn
+        from prime_policies.motor.bc_rnn import bc_rnn
+        from prime_policies.motor.fitting import load_network
         from prime_policies.motor.policy import BcRnnPolicy
 
-        return BcRnnPolicy(*load_bc_rnn(self, checkpoint, context), self.horizon)
+        return BcRnnPolicy(*load_network(bc_rnn(self), checkpoint, context), self.horizon)

@@ -28,14 +28,12 @@ class Scaling(nn.Module):
             features: Of all steps that are learnt from, in parts, each ``(N, features)``.
             actions: Likewise, ``(N, A)``.
         """
-        count = sum(map(len, features))
-        mean = sum(part.sum(dim=0, dtype=torch.float64) for part in features) / count
+        mean, spread = mean_and_spread(features)
         self.mean.copy_(mean)
-        squares = ((part - self.mean).square_() for part in features)
-        spread = sum(part.sum(dim=0, dtype=torch.float64) for part in squares) / count
-        self.scale.copy_(spread.sqrt().clamp_min(LEAST_SPREAD))
-        self.low.copy_(torch.stack([part.amin(dim=0) for part in actions]).amin(dim=0))
-        self.high.copy_(torch.stack([part.amax(dim=0) for part in actions]).amax(dim=0))
+        self.scale.copy_(spread.clamp_min(LEAST_SPREAD))
+        low, high = least_and_greatest(actions)
+        self.low.copy_(low)
+        self.high.copy_(high)
 
     def inputs(self, features: Tensor) -> Tensor:
         """Return features ``(..., features)`` normalised."""
@@ -53,3 +51,22 @@ class Scaling(nn.Module):
 
     def _range(self) -> tuple[Tensor, Tensor]:
         return (self.high + self.low) / 2, (self.high - self.low) / 2
+
+
+def mean_and_spread(parts: Sequence[Tensor]) -> tuple[Tensor, Tensor]:
+    """Return mean and standard deviation of each number, of all steps.
+
+    Args:
+        parts: Of the steps, each ``(N, numbers)``; no part is copied whole in double precision.
+    """
+    count = sum(map(len, parts))
+    mean = torch.stack([part.sum(dim=0, dtype=torch.float64) for part in parts]).sum(dim=0) / count
+    squares = ((part - mean.to(part.dtype)).square_() for part in parts)
+    spread = torch.stack([part.sum(dim=0, dtype=torch.float64) for part in squares]).sum(dim=0)
+    return mean, (spread / count).sqrt()
+
+
+def least_and_greatest(parts: Sequence[Tensor]) -> tuple[Tensor, Tensor]:
+    """Return least and greatest of each number, of all steps in parts ``(N, numbers)``."""
+    least = torch.stack([part.amin(dim=0) for part in parts]).amin(dim=0)
+    return least, torch.stack([part.amax(dim=0) for part in parts]).amax(dim=0)

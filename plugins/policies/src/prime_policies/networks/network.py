@@ -26,6 +26,10 @@ class Batch(NamedTuple):
 class Network(nn.Module, ABC):
     """What the training loop trains."""
 
+    def rate_share(self, weight: str) -> float:
+        """Return the share of the learning rate that a weight, told by its name, is trained at."""
+        return 1.0
+
     @abstractmethod
     def loss(self, batch: Any, generator: torch.Generator) -> Tensor:
         """Return the mean loss of a batch; the generator is of noise."""

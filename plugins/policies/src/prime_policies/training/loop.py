@@ -18,7 +18,6 @@ from prime_policies.training.repeatable import seeded, threads
 from prime_policies.training.settings import TrainingSettings
 from prime_policies.training.weights import read_tensors, write_tensors
 
-GRADIENT_LIMIT = 10.0  # one strange batch must not undo a training
 FAST = 10.0  # times the learning rate of offsets and precisions, of which there are few
 
 
@@ -118,16 +117,22 @@ class _Run:
         self.state = trainer.context.folder / f"{name}.training.safetensors"
         self._trainer, self._name, self._network = trainer, name, network
         self._settings, self._epochs = settings, epochs
-        many: list[Tensor] = []
-        few: list[Tensor] = []
-        for key, value in network.named_parameters():
-            (few if key.endswith(("offsets", "log_precisions")) else many).append(value)
         rate, decay = settings.learning_rate, settings.weight_decay
-        groups = [
-            {"params": many, "first_lr": rate, "weight_decay": decay},
-            {"params": few, "first_lr": FAST * rate, "weight_decay": 0.0},
-        ]
-        self._optimiser = torch.optim.AdamW(groups, fused=True)
+        groups: dict[tuple[float, float], list[Tensor]] = {
+            (rate, decay): [],
+            (FAST * rate, 0.0): [],
+        }
+        for key, value in network.named_parameters():
+            few = key.endswith(("offsets", "log_precisions"))
+            own = (FAST * rate, 0.0) if few else (network.rate_share(key) * rate, decay)
+            groups.setdefault(own, []).append(value)
+        self._optimiser = torch.optim.AdamW(
+            [
+                {"params": values, "first_lr": first, "weight_decay": decay}
+                for (first, decay), values in groups.items()
+            ],
+            fused=True,
+        )
 
     def epoch(self, number: int, examples: Source) -> None:
         """Train for an epoch, whose draws depend on nothing before it."""
@@ -144,7 +149,7 @@ class _Run:
             loss = self._network.loss(type(batch)(*(part.to(device) for part in batch)), noise)
             self._optimiser.zero_grad()
             loss.backward()
-            nn.utils.clip_grad_norm_(self._network.parameters(), GRADIENT_LIMIT)
+            nn.utils.clip_grad_norm_(self._network.parameters(), self._settings.gradient_limit)
             self._optimiser.step()
             if not torch.isfinite(loss):
                 self._diverged(number, f"the loss is {float(loss.detach())}")
