@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from prime_core.contracts.description import SceneDescription as SceneDescription
     from prime_core.contracts.environment import Environment as Environment
     from prime_core.contracts.environment import EnvironmentConfig as EnvironmentConfig
+    from prime_core.contracts.exporter import ExporterConfig as ExporterConfig
     from prime_core.contracts.idm import IdmConfig as IdmConfig
     from prime_core.contracts.idm import InverseDynamicsModel as InverseDynamicsModel
     from prime_core.contracts.images import EncoderConfig as EncoderConfig
@@ -62,6 +63,7 @@ _MODULES = {
     "Environment": "contracts.environment",
     "EnvironmentConfig": "contracts.environment",
     "ExportedModels": "deployment.exported_models",
+    "ExporterConfig": "contracts.exporter",
     "IdmConfig": "contracts.idm",
     "InverseDynamicsModel": "contracts.idm",
     "Labels": "contracts.training",

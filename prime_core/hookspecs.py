@@ -61,5 +61,10 @@ def register_encoders(register: Register) -> None:
 
 
 @hookspec
+def register_exporters(register: Register) -> None:
+    """Register formats that demonstrations are written in: subclasses of `ExporterConfig`."""
+
+
+@hookspec
 def register_commands(register: Callable[[str, Callable[..., Any]], None]) -> None:
     """Register commands: functions that typer makes subcommands of ``prime``."""

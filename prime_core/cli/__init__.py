@@ -16,6 +16,7 @@ import typer
 from prime_core.cli.annotate import annotate
 from prime_core.cli.compare import compare
 from prime_core.cli.convert import convert
+from prime_core.cli.export import export
 from prime_core.cli.export_policy import export_policy
 from prime_core.cli.learn_primitives import learn_primitives
 from prime_core.cli.options import OWN_COMMANDS
@@ -51,6 +52,7 @@ def build_app(stream: TextIO) -> typer.Typer:
         annotate,
         convert,
         learn_primitives,
+        export,
         export_policy,
         compare,
         plugins,

@@ -42,6 +42,7 @@ OWN_COMMANDS = (
     "annotate",
     "convert",
     "learn-primitives",
+    "export",
     "export-policy",
     "compare",
     "plugins",

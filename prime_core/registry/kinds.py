@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from prime_core.configuration import Config
 from prime_core.contracts.demonstration import DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
+from prime_core.contracts.exporter import ExporterConfig
 from prime_core.contracts.idm import IdmConfig
 from prime_core.contracts.images import EncoderConfig
 from prime_core.contracts.parser import ParserConfig
@@ -30,4 +31,5 @@ KINDS = {
     "policy": Kind(PolicyConfig, "register_policies"),
     "perception": Kind(PerceptionConfig, "register_perceptions"),
     "encoder": Kind(EncoderConfig, "register_encoders"),
+    "exporter": Kind(ExporterConfig, "register_exporters"),
 }

@@ -14,7 +14,7 @@ from prime_policies.networks.classifier import Classifier
 from prime_policies.networks.trunk import Trunk
 from prime_policies.training.devices import torch_device
 from prime_policies.training.examples import Examples
-from prime_policies.training.loop import Trainer, falling
+from prime_policies.training.loop import Trainer
 from prime_policies.training.settings import NetworkSettings
 
 from .toy_world import CONTEXT
@@ -141,7 +141,7 @@ def test_weights_that_are_not_finite_stop_a_training(tmp_path: Path) -> None:
 
 
 def test_the_rate_falls_from_its_start_to_zero() -> None:
-    shares = [falling(step, 80) for step in range(81)]
+    shares = [SETTINGS.share_of_rate(step, 80) for step in range(81)]
     assert shares[0] == 1.0
     assert shares[40] == pytest.approx(0.5)
     assert shares[80] == pytest.approx(0.0)

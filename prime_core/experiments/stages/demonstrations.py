@@ -98,8 +98,16 @@ class Demonstrations(Stage):
 
     def load(self) -> dict[str, Demonstration]:
         """Return all demonstrations that can be used, by their items."""
-        pairs = zip(self.items(), self.results(), strict=True)
-        return {item: _demonstration(result) for item, result in pairs if LEFT_OUT not in result}
+        return dict(self.one_by_one())
+
+    def one_by_one(self) -> Iterator[tuple[str, Demonstration]]:
+        """Give each demonstration that can be used with its item; none is held here."""
+        items = self.items()
+        self.compute(items)  # what is missing is done together
+        for item in items:
+            (result,) = self.results([item])
+            if LEFT_OUT not in result:
+                yield item, _demonstration(result)
 
 
 def check_left_out(reasons: Mapping[str, str], total: int, strict: bool) -> None:

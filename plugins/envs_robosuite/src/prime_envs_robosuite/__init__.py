@@ -41,3 +41,11 @@ def register_demonstrators(register: Register) -> None:
 
     register("simulated-teleoperator", SimulatedTeleoperatorConfig)
     register("robosuite-hdf5", RobosuiteHdf5Config)
+
+
+@hookimpl
+def register_exporters(register: Register) -> None:
+    """Register robomimic's files."""
+    from prime_envs_robosuite.recordings.robomimic_export import RobomimicConfig
+
+    register("robomimic", RobomimicConfig)

@@ -208,6 +208,11 @@ class RobosuiteEnvironment(Environment):
         self._simulation = Simulation(host, task.body_names, starts, "compiled", geoms)
         self._scene = None
 
+    @property
+    def host(self) -> Any:
+        """Robosuite's own environment, whose model this one steps."""
+        return self._simulation.host
+
     def render(self) -> NDArray[np.uint8]:
         """Return a picture of the whole scene, ``(256, 256, 3)``."""
         return self.render_camera(self.default_camera, PICTURE_SIZE, PICTURE_SIZE)

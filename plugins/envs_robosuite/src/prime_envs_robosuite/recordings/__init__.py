@@ -1,4 +1,5 @@
-"""Demonstrations that were recorded elsewhere, in formats of robosuite.
+"""Demonstrations in formats of robosuite and robomimic: read, and written for them.
 
-Another format is a file with a ``DemonstratorConfig``, registered in the package's ``__init__``.
+Another format is a file with a ``DemonstratorConfig`` or an ``ExporterConfig``, registered in the
+package's ``__init__``.
 """

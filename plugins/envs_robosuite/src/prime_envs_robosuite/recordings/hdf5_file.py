@@ -15,6 +15,9 @@ from prime_core.errors import DatasetError, DemonstrationError, PrimeError
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MOST_NUMBERS = 20_000_000
 """In an array of a demonstration; an hour of Lift has a tenth of it."""
+SIMULATOR_STATES = "simulator_states"
+"""In a demonstration that prime wrote: whole states of each frame, the one after the last action
+included. No other program reads it."""
 LAYOUTS = (
     "Expected is the layout of robosuite's collect_human_demonstrations or of robomimic: a group "
     "'data' with a group for each demonstration"
@@ -180,7 +183,8 @@ def array_of(where: str, group: Any, key: str) -> NDArray[np.float64]:
             f"{where}/{key} has the shape {stored.shape}; at most {MOST_NUMBERS} numbers are read"
         )
     values = np.asarray(stored, dtype=np.float64)
-    if values.ndim != 2 or len(values) < 2 or not np.all(np.isfinite(values)):
+    least = 1 if SIMULATOR_STATES in group else 2  # where they hold the frame after the last action
+    if values.ndim != 2 or len(values) < least or not np.all(np.isfinite(values)):
         raise DemonstrationError(
             f"{where}/{key} of shape {values.shape} must hold two rows of finite numbers or more"
         )

@@ -27,6 +27,7 @@ from prime_envs_robosuite.recordings.recorded_tasks import (
     environment_of,
     recorded_task,
 )
+from prime_envs_robosuite.recordings.whole_states import restore, whole_states
 from prime_envs_robosuite.simulation.object_geoms import Geoms
 
 if TYPE_CHECKING:
@@ -46,7 +47,8 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
     tasks. Every frame's joint positions and velocities are put into the environment and read off
     as it sees them. Recordings leave out part of the simulator's state, and our environment
     keeps the gripper pointing down where it was let tilt: a frame is where the demonstrator was,
-    but stepping on from it is only near to what followed.
+    but stepping on from it is only near to what followed. What exporter 'robomimic' wrote has whole
+    states and comes back as it was.
     """
 
     path: LocalPath
@@ -102,14 +104,26 @@ class RobosuiteHdf5Config(RecordedDemonstratorConfig):
             try:
                 for index in indices:
                     try:
-                        model, state, actions = self._read(data, names[index], objects, built)
+                        model, state, recorded = self._read(data, names[index], objects, built)
                         shapes.take(f"{self.path}: data/{names[index]}", model)
+                        actions = scale.motor_actions(recorded)
+                        shown = self._whole(data, names[index], actions, built)
                     except DatasetError as error:
                         yield DemonstrationError(str(error))
                         continue
-                    yield _restore(built, state, scale.motor_actions(actions), self)
+                    yield shown or _restore(built, state, actions, self)
             finally:
                 built.close()
+
+    def _whole(
+        self, data: Any, name: str, actions: Array, built: "RobosuiteEnvironment"
+    ) -> Demonstration | None:
+        """Return a recording that prime wrote, None if another program did."""
+        where = f"{self.path}: data/{name}"
+        states = whole_states(where, data[name], len(actions))
+        if states is None:
+            return None
+        return restore(where, built, states, actions, self.ends_when_solved)
 
     def _read(
         self, data: Any, name: str, objects: Sequence[str], built: "RobosuiteEnvironment"

@@ -1,6 +1,9 @@
 """Settings of policies over motor actions, and of their training."""
 
-from pydantic import Field
+import math
+from typing import Any
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from prime_core.configuration import Count
 from prime_policies.training.settings import TrainingSettings, Width
@@ -41,7 +44,13 @@ class BcRnnSettings(MotorTrainingSettings):
     batch_size: int = Field(100, ge=1, le=16_384)
     """Windows of a step."""
     learning_rate: float = Field(1e-4, ge=1e-9, le=1)
-    """Of Adam at the start; it falls to zero by half a cosine (robomimic: it does not fall)."""
+    """Of Adam at the start."""
+    constant_rate: bool = False
+    """Whether the learning rate stays as it is, as robomimic's does; else it falls to zero by half
+    a cosine."""
+    cuts_gradients: bool = True
+    """Whether gradients longer than 10 are cut to that. robomimic's are not, and are longer by far
+    once a mixture is narrow: uncut, the likelihood rises faster (docs/robomimic.md)."""
     weight_decay: float = Field(0.0, ge=0, le=1)
     """None, as in robomimic."""
     steps_per_epoch: Count = 250
@@ -51,3 +60,19 @@ class BcRnnSettings(MotorTrainingSettings):
     core): 0.2 s a step, so that a seed takes a quarter of an hour."""
     pretraining_epochs: Count = 20
     """Epochs on the rollouts before them, where the policy is pretrained: another quarter."""
+
+    @property
+    def gradient_limit(self) -> float:
+        """Norm that longer gradients are cut to; see `TrainingSettings`."""
+        return super().gradient_limit if self.cuts_gradients else math.inf
+
+    def share_of_rate(self, step: int, steps: int) -> float:
+        """Return the share of the learning rate at one of some steps; see `TrainingSettings`."""
+        return 1.0 if self.constant_rate else super().share_of_rate(step, steps)
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out later keys where they change nothing: weights of before are still these."""
+        found: dict[str, Any] = plain(self)
+        usual = {"constant_rate": False, "cuts_gradients": True}
+        return {key: value for key, value in found.items() if usual.get(key) is not value}

@@ -1,6 +1,5 @@
 """The one training loop: resumable, seeded, and it stops where numbers are not finite."""
 
-import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -19,7 +18,6 @@ from prime_policies.training.repeatable import seeded, threads
 from prime_policies.training.settings import TrainingSettings
 from prime_policies.training.weights import read_tensors, write_tensors
 
-GRADIENT_LIMIT = 10.0  # one strange batch must not undo a training
 FAST = 10.0  # times the learning rate of offsets and precisions, of which there are few
 
 
@@ -145,12 +143,13 @@ class _Run:
         device = next(self._network.parameters()).device
         for step, chosen in enumerate(draws, start=number * steps):
             for group in self._optimiser.param_groups:
-                group["lr"] = group["first_lr"] * falling(step, self._epochs * steps)
+                share = self._settings.share_of_rate(step, self._epochs * steps)
+                group["lr"] = group["first_lr"] * share
             batch = examples.batch(chosen)
             loss = self._network.loss(type(batch)(*(part.to(device) for part in batch)), noise)
             self._optimiser.zero_grad()
             loss.backward()
-            nn.utils.clip_grad_norm_(self._network.parameters(), GRADIENT_LIMIT)
+            nn.utils.clip_grad_norm_(self._network.parameters(), self._settings.gradient_limit)
             self._optimiser.step()
             if not torch.isfinite(loss):
                 self._diverged(number, f"the loss is {float(loss.detach())}")
@@ -185,8 +184,3 @@ class _Run:
         self._network.load_state_dict(weights)
         self._optimiser.load_state_dict({**self._optimiser.state_dict(), "state": moments})
         return int(notes["epoch"])
-
-
-def falling(step: int, steps: int) -> float:
-    """Return the share of the learning rate at a step, counted from 0: half a cosine."""
-    return 0.5 * (1 + math.cos(math.pi * step / steps))

@@ -1,5 +1,6 @@
 """Settings that all networks share, and those of their training."""
 
+import math
 from typing import Annotated, ClassVar
 
 from pydantic import Field
@@ -7,6 +8,7 @@ from pydantic import Field
 from prime_core.configuration import Config, Count, Share
 from prime_core.contracts.training import TrainableConfig
 
+GRADIENT_LIMIT = 10.0  # one strange batch must not undo a training
 Width = Annotated[int, Field(ge=1, le=8192)]
 
 
@@ -21,6 +23,15 @@ class TrainingSettings(Config):
     """Of AdamW at the start; it falls to zero by half a cosine."""
     weight_decay: Share = 1e-3
     """Decoupled, of AdamW; offsets and precisions of mixtures have none."""
+
+    @property
+    def gradient_limit(self) -> float:
+        """Norm that longer gradients are cut to."""
+        return GRADIENT_LIMIT
+
+    def share_of_rate(self, step: int, steps: int) -> float:
+        """Return the share of the learning rate at one of some steps, counted from 0."""
+        return 0.5 * (1 + math.cos(math.pi * step / steps))
 
 
 class NetworkSettings(TrainableConfig, TrainingSettings):
