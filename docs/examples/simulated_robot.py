@@ -159,6 +159,7 @@ def _simulate(config: SimulatedRobotConfig, pipe: Connection) -> None:
                     observation, _ = environment.reset(seed=command)
                     came, solved, gripper = None, False, -1.0
                     under_way: deque[Any] = deque([None] * config.delay)
+                    _values(environment, observation, config)  # the first images take seconds
                     pipe.send(None)
                 else:
                     came = command
