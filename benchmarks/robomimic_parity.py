@@ -59,6 +59,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=100, help="of an epoch")
     parser.add_argument("--trials", type=int, default=30, help="of each network")
     parser.add_argument("--maximum-steps", type=int, default=400, help="of a trial")
+    parser.add_argument("--cut-gradients", action="store_true", help="ours alone, its default")
     parser.add_argument("--so-far", action="store_true", help="train no more, judge what is there")
     parser.add_argument("--results", type=Path, help="JSON file; in the folder if not given")
     options = parser.parse_args()
@@ -70,7 +71,7 @@ def main() -> None:
         steps_per_epoch=options.steps,
         checkpoints=options.epochs,
         constant_rate=True,
-        cuts_gradients=False,
+        cuts_gradients=options.cut_gradients,
     )
     results: dict[str, Any] = {"command": _command(), "versions": versions()}
     results |= {"robomimic": PINS, "settings": settings.model_dump(mode="json"), "data": data.told}
