@@ -42,7 +42,7 @@ class OrientationConfig(ColumnConfig):
     that stands."""
     unit: AngleUnit = "rad"
     """Of angles."""
-    turned: float = 0.0
+    turned: float = Field(0.0, ge=-360.0, le=360.0)
     """By how much the frame that is meant here is turned about its own z axis from the one that was
     recorded, in the unit. A gripper's fingers move along its y axis here."""
 
@@ -52,9 +52,9 @@ class OpeningConfig(ColumnConfig):
 
     unit: LengthUnit = "m"
     """Of the numbers, if they are lengths."""
-    closed: float | None = None
+    closed: float | None = Field(None, ge=-1e6, le=1e6)
     """The number of a closed gripper, if they are no lengths; goes with ``open`` and ``width``."""
-    open: float | None = None
+    open: float | None = Field(None, ge=-1e6, le=1e6)
     """The number of a gripper that is open as wide as can be."""
     width: float | None = Field(None, gt=0.0, le=0.3)
     """Distance of the fingers then [m]."""
@@ -110,7 +110,7 @@ class OriginConfig(Config):
 
     position: Triple = (0.0, 0.0, 0.0)
     """Of its origin [m]: that of a robot's base where poses are relative to it."""
-    yaw: float = 0.0
+    yaw: float = Field(0.0, ge=-6.3, le=6.3)
     """By how much it is turned about the vertical [rad]."""
 
 
