@@ -9,7 +9,8 @@ from prime_core.configuration import Config
 
 Index = Annotated[int, Field(ge=0, lt=100_000)]
 Names = tuple[Annotated[str, Field(min_length=1)], ...]
-Triple = tuple[float, float, float]
+Metres = Annotated[float, Field(ge=-100.0, le=100.0)]
+Triple = tuple[Metres, Metres, Metres]
 LengthUnit = Literal["m", "cm", "mm"]
 AngleUnit = Literal["rad", "deg"]
 Orientation = Literal["wxyz", "xyzw", "rpy", "rotation-vector", "yaw"]
