@@ -61,6 +61,9 @@ class ComputeConfig(Config):
             "keep_in_ram": False,
             "timeout_min": _LONG,
         }
+        if self.cluster == "local":
+            # Submitit makes a job's own folder once it runs: a job that is faster finds none, and ends.
+            infra["logs"] = "{folder}/logs/{user}"
         if self.cluster == "slurm":
             infra |= {
                 "timeout_min": self.minutes,

@@ -6,11 +6,14 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+import submitit.local.local
 from submitit.core.utils import FailedJobError, UncompletedJobError
 
 from prime_core.cli import main
@@ -90,6 +93,22 @@ def test_a_worker_that_meets_a_full_disk_says_so(prime_command: Start, tmp_path:
             done.communicate(timeout=600)
             assert done.returncode == 0
         assert (disk / "toy" / "results.json").exists()
+
+
+def test_a_worker_may_begin_before_its_start_is_noted(
+    prime_run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = submitit.local.local.start_controller
+
+    def slowly(*given: Any, **named: Any) -> Any:
+        process = start(*given, **named)
+        time.sleep(2)
+        return process
+
+    monkeypatch.setattr(submitit.local.local, "start_controller", slowly)
+    # It has begun if it tells what it misses: the toy pack is installed in this process alone.
+    with pytest.raises(PrimeError, match="no demonstrator is registered as 'toy/climber'"):
+        prime_run("compute.workers=1", until="demonstrations")
 
 
 def test_a_place_that_is_a_file_or_below_one_is_told(prime_run: Run, tmp_path: Path) -> None:
