@@ -62,7 +62,7 @@ class ComputeConfig(Config):
             "timeout_min": _LONG,
         }
         if self.cluster == "local":
-            # Submitit makes a job's own folder once it runs: a job that is faster finds none, and ends.
+            # Submitit makes a folder of each job once it runs: a faster job finds none, and ends.
             infra["logs"] = "{folder}/logs/{user}"
         if self.cluster == "slurm":
             infra |= {
