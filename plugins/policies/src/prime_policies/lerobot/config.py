@@ -10,20 +10,21 @@ from pydantic import model_validator
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.description import SceneDescription
-from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
+from prime_core.contracts.policy import MotorPolicy
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_policies.lerobot.settings import (
     ActSettings,
     DiffusionSettings,
     LeRobotTrainingSettings,
 )
+from prime_policies.motor.config import TrainedMotorConfig
 
 if TYPE_CHECKING:
     from prime_policies.lerobot.network import LeRobotNetwork
     from prime_policies.motor.fitting import Design
 
 
-class LeRobotConfig(MotorPolicyConfig, LeRobotTrainingSettings):
+class LeRobotConfig(TrainedMotorConfig, LeRobotTrainingSettings):
     """A policy of LeRobot's on the features of scenes that our other policies see."""
 
     packages: ClassVar[tuple[str, ...]] = ("lerobot",)
@@ -42,16 +43,6 @@ class LeRobotConfig(MotorPolicyConfig, LeRobotTrainingSettings):
     @abstractmethod
     def design(self, scenes: SceneDescription) -> "Design[LeRobotNetwork]":
         """Return what is trained for some scenes."""
-
-    def count_checkpoints(self) -> int:
-        """Return how many are kept of the epochs on the demonstrations."""
-        return len(self.kept_epochs)
-
-    def check_device(self, device: str) -> None:
-        """Ask torch for it; see `TrainableConfig`."""
-        from prime_policies.training.devices import torch_device
-
-        torch_device(device)
 
     def fit(
         self,

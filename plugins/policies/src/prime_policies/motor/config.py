@@ -1,30 +1,36 @@
-"""What is registered as the policy ``bc-rnn``."""
+"""What is registered as the policy ``bc-rnn``, and what it shares with others."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_policies.motor.settings import BcRnnSettings
+from prime_policies.training.settings import TorchTrainable
 
 
-class BcRnnConfig(MotorPolicyConfig, BcRnnSettings):
-    """An LSTM with a mixture of Gaussians of the next motor action (Mandlekar et al. 2021).
+class TrainedMotorConfig(TorchTrainable, MotorPolicyConfig):
+    """A policy over motor actions that the training loop trains and keeps checkpoints of.
 
-    With ``pretrain`` it is BC-RNN (FT) of the paper: trained on all motor actions of the rollouts,
-    then on the demonstrations.
+    What is registered has `MotorTrainingSettings` beside it.
     """
+
+    if TYPE_CHECKING:
+        kept_epochs: list[int]
 
     def count_checkpoints(self) -> int:
         """Return how many are kept of the epochs on the demonstrations."""
         return len(self.kept_epochs)
 
-    def check_device(self, device: str) -> None:
-        """Ask torch for it; see `TrainableConfig`."""
-        from prime_policies.training.devices import torch_device
 
-        torch_device(device)
+class BcRnnConfig(TrainedMotorConfig, BcRnnSettings):
+    """An LSTM with a mixture of Gaussians of the next motor action (Mandlekar et al. 2021).
+
+    With ``pretrain`` it is BC-RNN (FT) of the paper: trained on all motor actions of the rollouts,
+    then on the demonstrations.
+    """
 
     def fit(
         self,

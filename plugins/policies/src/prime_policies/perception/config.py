@@ -6,16 +6,11 @@ from prime_core.contracts.observations import Observations
 from prime_core.contracts.perception import Perception, PerceptionConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_policies.perception.settings import PoseNetworkSettings
+from prime_policies.training.settings import TorchTrainable
 
 
-class PoseNetworkConfig(PerceptionConfig, PoseNetworkSettings):
+class PoseNetworkConfig(TorchTrainable, PerceptionConfig, PoseNetworkSettings):
     """A network that tells each object's pose; the simulator's poses teach it."""
-
-    def check_device(self, device: str) -> None:
-        """Ask torch for it; see `TrainableConfig`."""
-        from prime_policies.training.devices import torch_device
-
-        torch_device(device)
 
     def fit(self, seen: Observations, context: TrainingContext) -> Perception:
         """Train the network; see `PerceptionConfig`."""

@@ -6,13 +6,14 @@ from pathlib import Path
 from pydantic import field_validator
 
 from prime_core.contracts.demonstration import Demonstration
-from prime_core.contracts.policy import MotorPolicy, MotorPolicyConfig
+from prime_core.contracts.policy import MotorPolicy
 from prime_core.contracts.training import ModelContext, TrainingContext
 from prime_core.errors import DatasetError
+from prime_policies.motor.config import TrainedMotorConfig
 from prime_policies.sailor.settings import SailorSettings
 
 
-class SailorConfig(MotorPolicyConfig, SailorSettings):
+class SailorConfig(TrainedMotorConfig, SailorSettings):
     """Skills learnt from the rollouts, and a policy that says which one comes next.
 
     After SAILOR (Nasiriany et al. 2022).
@@ -30,16 +31,6 @@ class SailorConfig(MotorPolicyConfig, SailorSettings):
                 "must be true. A policy that learns from demonstrations alone is bc-rnn"
             )
         return pretrain
-
-    def count_checkpoints(self) -> int:
-        """Return how many are kept of the epochs on the demonstrations."""
-        return len(self.kept_epochs)
-
-    def check_device(self, device: str) -> None:
-        """Ask torch for it; see `TrainableConfig`."""
-        from prime_policies.training.devices import torch_device
-
-        torch_device(device)
 
     def fit(
         self,

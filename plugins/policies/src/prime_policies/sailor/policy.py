@@ -10,9 +10,9 @@ from prime_core.contracts.environment import Action
 from prime_core.contracts.observations import Observations
 from prime_core.contracts.policy import MotorPolicy
 from prime_core.learning.scene_features import FeatureEncoder
+from prime_policies.motor.bc_rnn import Memory
 from prime_policies.sailor.latent_policy import LatentPolicy
 from prime_policies.sailor.settings import SailorSettings
-from prime_policies.sailor.skill_model import Memory
 from prime_policies.training.repeatable import threads
 
 

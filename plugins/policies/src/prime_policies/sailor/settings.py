@@ -57,7 +57,7 @@ class SkillSettings(TrainingSettings):
     weight_decay: Share = 0.0
     """None."""
     steps_per_epoch: Count = 100
-    """Steps of an epoch, of which there are `pretraining_epochs`; a step takes 0.6 s of a core."""
+    """Steps of an epoch, of which there are `pretraining_epochs`."""
 
     @model_validator(mode="after")
     def _near_is_nearer_than_far(self) -> Self:
@@ -106,8 +106,6 @@ class SailorSettings(MotorTrainingSettings):
     steps_per_epoch: Count = 200
     """Steps of an epoch of the policy; an interrupted training goes on after its last one."""
     epochs: Count = 20
-    """Epochs of the policy (release: 200 of 100 steps, five times as many): 0.13 s a step, so that
-    a seed takes nine minutes."""
+    """Epochs of the policy (release: 200 of 100 steps, five times as many)."""
     pretraining_epochs: Count = 20
-    """Epochs of the skills on the rollouts (release: 2000 of 100 steps, a day and a half of one
-    core): twenty minutes."""
+    """Epochs of the skills on the rollouts (release: 2000 of 100 steps)."""

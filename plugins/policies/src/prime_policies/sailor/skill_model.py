@@ -13,13 +13,11 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from prime_policies.motor.bc_rnn import Memory
 from prime_policies.motor.scaling import Scaling
 from prime_policies.networks.network import Network
 from prime_policies.sailor.settings import SkillSettings
 from prime_policies.sailor.skill_examples import SkillBatch
-
-Memory = tuple[Tensor, Tensor]
-"""State of the recurrent layers: hidden and cell state."""
 
 LOG_VARIANCES = (-10.0, 4.0)
 """Least and greatest that are told; what an exponential makes of others is no use."""

@@ -34,7 +34,17 @@ class TrainingSettings(Config):
         return 0.5 * (1 + math.cos(math.pi * step / steps))
 
 
-class NetworkSettings(TrainableConfig, TrainingSettings):
+class TorchTrainable(TrainableConfig):
+    """Settings of what torch trains."""
+
+    def check_device(self, device: str) -> None:
+        """Ask torch for it; see `TrainableConfig`."""
+        from prime_policies.training.devices import torch_device
+
+        torch_device(device)
+
+
+class NetworkSettings(TorchTrainable, TrainingSettings):
     """How large the networks are, and how a step of their training goes."""
 
     kind: ClassVar[str]  # name that the settings are registered under
@@ -49,9 +59,3 @@ class NetworkSettings(TrainableConfig, TrainingSettings):
     """Least standard deviation of a Gaussian, of parameters normalised to [-1, 1]."""
     input_noise: float = Field(0.05, ge=0, le=10)
     """Standard deviation of the noise on normalised inputs while training."""
-
-    def check_device(self, device: str) -> None:
-        """Ask torch for it; see `TrainableConfig`."""
-        from prime_policies.training.devices import torch_device
-
-        torch_device(device)
