@@ -31,7 +31,7 @@ from prime_core.contracts.calls import PrimitiveSpace
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import Environment, EnvironmentConfig
 from prime_core.contracts.training import ModelContext, TrainingContext
-from prime_core.experiments.conversion.export_run import export_run, read_exporter
+from prime_core.experiments.exporting.demonstrations import export_run, read_exporter
 from prime_core.experiments.parse_dataset import open_run
 from prime_core.experiments.results.provenance import versions
 from prime_core.files import new_file

@@ -107,6 +107,7 @@ __all__ = [
     "Environment",
     "EnvironmentConfig",
     "ExportedModels",
+    "ExporterConfig",
     "IdmConfig",
     "InverseDynamicsModel",
     "Labels",

@@ -56,6 +56,7 @@ ORDER = (
     ("experiments",),
     ("experiments.conversion",),
     ("experiments.results",),
+    ("experiments.exporting",),
     ("cli",),
 )
 """The folders of prime_core: each may import those above it; two in a line need not each other."""

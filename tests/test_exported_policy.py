@@ -16,8 +16,8 @@ from prime_core.deployment.policy_runner import PolicyRunner
 from prime_core.execution.trial import run_trial
 from prime_core.execution.world import World
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.exporting.policy import Choice, export_policy
 from prime_core.experiments.reading import dump_experiment, read_experiment
-from prime_core.experiments.results.policy_export import Choice, export_policy
 from prime_core.registry.building import build_world
 
 from .test_images import SETTINGS

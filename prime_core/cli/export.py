@@ -25,7 +25,7 @@ def export(
     """Write the demonstrations of a run in a format of other programs."""
     from rich.progress import track
 
-    from prime_core.experiments.conversion.export_run import export_run, read_exporter
+    from prime_core.experiments.exporting.demonstrations import export_run, read_exporter
 
     screen = console()
     exporter = read_exporter(to, set_ or ())

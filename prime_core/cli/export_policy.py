@@ -34,10 +34,10 @@ def export_policy(
     ] = None,
 ) -> None:
     """Export a trained policy of a run: a folder with all that a robot's loop needs."""
-    from prime_core.experiments.results import policy_export
+    from prime_core.experiments.exporting import policy as exporting
 
-    choice = policy_export.Choice(policy, seed, checkpoint)
-    manifest = policy_export.export_policy(run, choice, out)
+    choice = exporting.Choice(policy, seed, checkpoint)
+    manifest = exporting.export_policy(run, choice, out)
     origin = manifest.origin
     say(
         f"Policy {origin.policy!r} of {origin.run}, seed {origin.seed}, checkpoint "

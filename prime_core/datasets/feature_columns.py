@@ -13,7 +13,12 @@ from prime_core.contracts.description import SceneDescription
 from prime_core.contracts.environment import ACTION_NAMES
 from prime_core.contracts.observations import ENVIRONMENT_STATE_KEY, STATE_KEY
 from prime_core.datasets.columns import conversion
-from prime_core.datasets.columns.settings import ColumnConfig, ColumnsConfig, ObjectConfig
+from prime_core.datasets.columns.settings import (
+    ColumnConfig,
+    ColumnsConfig,
+    GripperConfig,
+    ObjectConfig,
+)
 from prime_core.datasets.files import layout
 from prime_core.datasets.files.episodes import Columns
 from prime_core.datasets.files.header import Header
@@ -222,7 +227,12 @@ class MappedColumns:
         return np.asarray(columns[config.feature][:, self._indices[key]], dtype=np.float64)
 
     def _pose(
-        self, key: str, config: Any, columns: Mapping[str, NDArray[Any]], *, down: bool
+        self,
+        key: str,
+        config: GripperConfig | ObjectConfig,
+        columns: Mapping[str, NDArray[Any]],
+        *,
+        down: bool,
     ) -> tuple[Array, Array]:
         """Return positions ``(N, 3)`` and quaternions ``(N, 4)`` in the world's frame."""
         places = self._values(f"{key}.position", config.position, columns)

@@ -22,7 +22,7 @@ from prime_core.deployment.exported_models import ExportedModels
 from prime_core.deployment.manifest import MODELS
 from prime_core.errors import ConfigurationError, DemonstrationError
 from prime_core.execution.demonstrated_images import own_images
-from prime_core.experiments.parse_dataset import check_idm, open_run
+from prime_core.experiments.parse_dataset import ParsedSource, check_idm, open_run
 from prime_core.experiments.reading import explain
 from prime_core.experiments.run_folder.place import place_told
 from prime_core.experiments.stages.demonstrations import check_left_out
@@ -45,19 +45,6 @@ class SegmentationModel:
     parser: ParserConfig
     description: SceneDescription
     cameras: CameraConfig | None
-
-
-@dataclass(frozen=True, eq=False)
-class AnnotatedDataset:
-    """What was written into a data set.
-
-    Attributes:
-        parsed: The episodes that can be used, by their numbers.
-        left_out: Why the others cannot be used, by theirs.
-    """
-
-    parsed: dict[str, ParsedDemonstration]
-    left_out: dict[str, str]
 
 
 def read_columns(path: Path) -> ColumnsConfig:
@@ -100,7 +87,7 @@ def annotate_dataset(
     target: Path,
     mapping: Path | None = None,
     strict: bool = False,
-) -> AnnotatedDataset:
+) -> ParsedSource:
     """Write segments and their confidences into a LeRobot data set.
 
     Args:
@@ -135,9 +122,9 @@ def annotate_dataset(
         else:
             segments[-1] = parsed[str(number)].segments
     check_left_out(left_out, len(segments), strict)
-    with place_told(target):
+    with place_told(target, keeps=False):
         annotation.write(segments, model.idm.space, columns)
-    return AnnotatedDataset(parsed, left_out)
+    return ParsedSource(parsed, left_out)
 
 
 @contextmanager

@@ -72,7 +72,7 @@ def beside(source: Path, ending: str) -> Path:
 
 
 @dataclass(frozen=True, eq=False)
-class ForeignDemonstrations:
+class ParsedSource:
     """Demonstrations from elsewhere, parsed.
 
     Attributes:
@@ -84,9 +84,7 @@ class ForeignDemonstrations:
     left_out: dict[str, str]
 
 
-def parse_foreign(
-    source: Path, run: Path, target: Path, strict: bool = False
-) -> ForeignDemonstrations:
+def parse_foreign(source: Path, run: Path, target: Path, strict: bool = False) -> ParsedSource:
     """Parse demonstrations that a run has not seen, with its trained IDM and its parser.
 
     Args:
@@ -125,7 +123,7 @@ def parse_foreign(
             left_out[number] = str(error)
     check_left_out(left_out, count, strict)
     _write(experiment, [*parsed.values()], target)
-    return ForeignDemonstrations(parsed, left_out)
+    return ParsedSource(parsed, left_out)
 
 
 def _parsed(
@@ -148,7 +146,7 @@ def _parsed(
 def _write(experiment: Experiment, parsed: list[ParsedDemonstration], target: Path) -> None:
     environment = experiment.demonstrations.environment
     world = build_world(environment, experiment.collection.built_from)
-    with place_told(target):
+    with place_told(target, keeps=False):
         write_dataset(
             target,
             [item.demonstration for item in parsed],

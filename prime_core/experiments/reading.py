@@ -6,9 +6,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from prime_core.configuration import Config
 from prime_core.errors import ConfigurationError
 from prime_core.experiments.settings import ExperimentConfig
 from prime_core.experiments.yaml_text import dump_yaml, load_yaml, read_mapping
+from prime_core.registry.fields import read_settings
 
 LONGEST = 200
 """Characters of what was found that an error shows."""
@@ -53,6 +55,30 @@ def validate_experiment(data: Mapping[str, Any], source: str) -> ExperimentConfi
         return ExperimentConfig.model_validate(data)
     except ValidationError as error:
         raise ConfigurationError(explain(error, source)) from None
+
+
+def read_choice[AnyConfig: Config](
+    base: type[AnyConfig], data: dict[str, Any], settings: Sequence[str], told: str
+) -> AnyConfig:
+    """Return the settings of a registered type that was named outside of an experiment.
+
+    Args:
+        base: The contract that it must be of.
+        data: Its ``type`` and keys.
+        settings: Changes to them; see `read_experiment`.
+        told: What named it, for errors.
+
+    Raises:
+        ConfigurationError: If there is no such type or key, or a value is wrong.
+    """
+    for setting in settings:
+        apply_setting(data, setting)
+    try:
+        return read_settings(base, data)
+    except ValidationError as error:
+        raise ConfigurationError(explain(error, told)) from None
+    except ValueError as error:
+        raise ConfigurationError(f"{told}: {error}") from None
 
 
 def explain(error: ValidationError, source: str) -> str:

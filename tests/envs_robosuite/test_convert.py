@@ -208,6 +208,15 @@ def test_what_cannot_be_done_is_told_and_leaves_nothing(
     assert "names no recorded task: it has neither an attribute 'env'" in refusal(untold, target)
 
 
+def test_a_file_of_another_format_is_no_target(recording: Path, tmp_path: Path) -> None:
+    target = tmp_path / "set.hdf5"
+    assert refusal(recording, target) == (
+        f"{target}: found the suffix '.hdf5'; it must be a folder, for a LeRobot data set. 'prime "
+        "export RUN --to robomimic' writes such files of a run's demonstrations"
+    )
+    assert not target.exists()
+
+
 def test_wrong_options_are_told(recording: Path, tmp_path: Path) -> None:
     target = tmp_path / "set"
     assert refusal(recording, target, size="84,84") == (

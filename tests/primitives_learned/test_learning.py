@@ -12,9 +12,9 @@ from prime_core.deployment.exported_models import ExportedModels
 from prime_core.errors import ConfigurationError, DatasetError, WeightsError
 from prime_core.execution.motions import run_primitive, settle
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.exporting.policy import Choice, export_policy
 from prime_core.experiments.learn_primitives import learn_primitives
 from prime_core.experiments.reading import dump_experiment, read_experiment
-from prime_core.experiments.results.policy_export import Choice, export_policy
 from prime_core.registry.fields import read_settings
 from prime_primitives_learned.config import LearnedConfig
 from prime_primitives_scripted.grasp import GraspConfig

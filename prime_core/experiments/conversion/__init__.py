@@ -1,4 +1,4 @@
-"""Demonstrations become data sets, or files of other programs, outside of an experiment.
+"""Recordings become data sets, outside of an experiment: `prime convert`.
 
-Another format to convert to is another file here, beside ``convert``.
+What a conversion can be asked for is in ``asked``, how it is done in ``convert``.
 """

@@ -11,9 +11,10 @@ from prime_core.contracts.demonstration import DemonstratorConfig
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.datasets.images.videos import check_sizes
 from prime_core.errors import ConfigurationError
-from prime_core.experiments.reading import apply_setting, explain
+from prime_core.experiments.reading import explain, read_choice
 from prime_core.experiments.stages.outputs.conversion import PictureConfig
-from prime_core.registry.fields import dump_choice, read_settings
+from prime_core.registry.fields import dump_choice
+from prime_core.registry.loading import load_plugins
 
 
 def read_pictures(cameras: Sequence[str], size: str, kept_as: str) -> PictureConfig:
@@ -58,12 +59,21 @@ def environment_of(
             f"{source}: does not say which environment it was recorded in: name it, such as "
             "--environment robosuite/lift"
         )
-    for setting in settings:
-        apply_setting(data, setting)
     told = " ".join([f"--environment {name}" if name else f"environment of {source}", *settings])
-    try:
-        return dump_choice(read_settings(EnvironmentConfig, data))
-    except ValidationError as error:
-        raise ConfigurationError(explain(error, told)) from None
-    except ValueError as error:
-        raise ConfigurationError(f"{told}: {error}") from None
+    return dump_choice(read_choice(EnvironmentConfig, data, settings, told))
+
+
+def check_is_data_set(target: Path) -> None:
+    """Make sure that a target is named as a folder, not as a file of another format.
+
+    Raises:
+        ConfigurationError: If it ends like the files of a registered exporter.
+    """
+    for entry in load_plugins().registry.registrations("exporter"):
+        suffix = getattr(entry.config_class, "suffix", "")
+        if suffix and target.suffix == suffix:
+            raise ConfigurationError(
+                f"{target}: found the suffix {suffix!r}; it must be a folder, for a LeRobot data "
+                f"set. 'prime export RUN --to {entry.name}' writes such files of a run's "
+                "demonstrations"
+            )

@@ -14,7 +14,7 @@ from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import DemonstratorConfig
 from prime_core.errors import DatasetError
 from prime_core.experiments.compute import ComputeConfig
-from prime_core.experiments.conversion.asked import environment_of
+from prime_core.experiments.conversion.asked import check_is_data_set, environment_of
 from prime_core.experiments.run_folder.code import digest_of
 from prime_core.experiments.run_folder.contents import content_of
 from prime_core.experiments.run_folder.lock import NAME as LOCK
@@ -80,6 +80,7 @@ def convert(
         PrimeError: If the source cannot be read, its environment is not known, none of its
             demonstrations can be used, no image can be made, or the target is there already.
     """
+    check_is_data_set(target)
     parts = target.with_name(target.name + PARTS)
     _check_places(target, parts)
     demonstrator = demonstrator_of(source)

@@ -34,40 +34,45 @@ _PROBE = 64 * 1024  # bytes; less than the least that a stage writes is of no us
 class PlaceError(PrimeError):
     """Files cannot be written or read where they lie. The text names the place and the reason."""
 
-    def __init__(self, place: Path | str, reason: str) -> None:
+    def __init__(self, place: Path | str, reason: str, *, keeps: bool = True) -> None:
+        kept = ": what is finished is kept" if keeps else ""
         super().__init__(
             f"{place}: {reason}. Make it writable or make space, or choose another place; "
-            "then run again: what is finished is kept"
+            f"then run again{kept}"
         )
 
 
-def place_error(error: BaseException | str, folder: Path) -> PlaceError | None:
+def place_error(
+    error: BaseException | str, folder: Path, *, keeps: bool = True
+) -> PlaceError | None:
     """Return what an error says of the place where files lie, or None if it is of another kind.
 
     Args:
         error: Or its text, where it comes from another process.
         folder: Where the files are, if the error does not say.
+        keeps: Whether what is finished is kept.
     """
     if isinstance(error, OSError) and error.errno in _OF_THE_PLACE:
         # Of a rename the second name is the one that was asked for.
         name = Path(os.fsdecode(error.filename2 or error.filename or folder))
         # Hidden files are our own: what is written aside, locks.
         place = name.parent if name.name.startswith(".") else name
-        return PlaceError(place, os.strerror(error.errno))
+        return PlaceError(place, os.strerror(error.errno), keeps=keeps)
     # Libraries that are not written in Python have errors of their own, and the same numbers.
     for found in reversed(list(_NUMBER.finditer(str(error)))):
         number = int(found["errno"] or found["other"])
         if number in _OF_THE_PLACE:
-            return PlaceError(found["name"] or folder, os.strerror(number))
+            return PlaceError(found["name"] or folder, os.strerror(number), keeps=keeps)
     return None
 
 
 @contextlib.contextmanager
-def place_told(folder: Path) -> Iterator[None]:
+def place_told(folder: Path, *, keeps: bool = True) -> Iterator[None]:
     """Turn errors of the place where files lie into what a user can mend.
 
     Args:
         folder: Where the files are, if an error does not say.
+        keeps: Whether what is finished is kept; else all is done anew.
 
     Raises:
         PlaceError: Instead of an ``OSError`` of that kind.
@@ -75,7 +80,7 @@ def place_told(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise place_error(error, folder) or error from None
+        raise place_error(error, folder, keeps=keeps) or error from None
 
 
 def probed(folder: Path) -> PlaceError | None:

@@ -20,7 +20,7 @@ from prime_core.datasets.read import read_dataset, write_dataset
 from prime_core.errors import ConfigurationError, DatasetError, PrimeError
 from prime_core.experiments.annotate_dataset import annotate_dataset, frames_at, read_columns
 from prime_core.experiments.experiment import Experiment
-from prime_core.experiments.results.policy_export import Choice, export_policy
+from prime_core.experiments.exporting.policy import Choice, export_policy
 from prime_core.experiments.running import run_experiment
 
 from ..datasets.edits import edit_info

@@ -13,8 +13,8 @@ from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.environment import EnvironmentConfig
 from prime_core.contracts.exporter import ExporterConfig
 from prime_core.errors import ConfigurationError, DatasetError
-from prime_core.experiments.conversion.export_run import export_run, read_exporter
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.exporting.demonstrations import export_run, read_exporter
 from prime_core.files import new_file
 from prime_core.hookspecs import hookimpl
 from prime_core.registry import builtin

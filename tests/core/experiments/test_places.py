@@ -19,7 +19,7 @@ from submitit.core.utils import FailedJobError, UncompletedJobError
 from prime_core.cli import main
 from prime_core.errors import PrimeError
 from prime_core.experiments.experiment import Experiment
-from prime_core.experiments.run_folder.place import PlaceError, place_error
+from prime_core.experiments.run_folder.place import PlaceError, place_error, place_told
 from prime_core.experiments.running import _told
 
 Run = Callable[..., None]
@@ -109,6 +109,16 @@ def test_a_worker_may_begin_before_its_start_is_noted(
     # It has begun if it tells what it misses: the toy pack is installed in this process alone.
     with pytest.raises(PrimeError, match="no demonstrator is registered as 'toy/climber'"):
         prime_run("compute.workers=1", until="demonstrations")
+
+
+@pytest.mark.parametrize(
+    ("keeps", "end"), [(True, "again: what is finished is kept"), (False, "again")]
+)
+def test_only_what_is_kept_is_said_to_be(tmp_path: Path, keeps: bool, end: str) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(PlaceError) as raised, place_told(tmp_path, keeps=keeps):
+        (tmp_path / "file" / "below").mkdir()
+    assert str(raised.value).endswith(f"or choose another place; then run {end}")
 
 
 def test_a_place_that_is_a_file_or_below_one_is_told(prime_run: Run, tmp_path: Path) -> None:

@@ -15,8 +15,8 @@ from prime_core.deployment.exported_models import ExportedModels
 from prime_core.errors import ConfigurationError, DamagedError, PrimeError
 from prime_core.execution.runner import PrimitiveRunner
 from prime_core.experiments.experiment import Experiment
+from prime_core.experiments.exporting.policy import Choice, export_policy
 from prime_core.experiments.parse_dataset import open_run
-from prime_core.experiments.results.policy_export import Choice, export_policy
 
 from ..point_mass import PointMass
 from .conftest import TOY

@@ -12,7 +12,7 @@ from prime_core.deployment.robot_observation import ObservationError
 from prime_core.deployment.trace import trace_of
 from prime_core.errors import ConfigurationError, PrimeError
 from prime_core.execution.runner import CallRecord
-from prime_core.experiments.results.policy_export import Choice, export_policy
+from prime_core.experiments.exporting.policy import Choice, export_policy
 
 from ..execution.toys import CEILING, NeverSolved
 

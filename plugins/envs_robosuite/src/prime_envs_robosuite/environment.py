@@ -210,7 +210,7 @@ class RobosuiteEnvironment(Environment):
 
     @property
     def host(self) -> Any:
-        """Robosuite's own environment, whose model this one steps."""
+        """The robosuite environment whose model this one steps."""
         return self._simulation.host
 
     def render(self) -> NDArray[np.uint8]:

@@ -2,17 +2,13 @@
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from prime_core.arrays import Array
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.errors import DemonstrationError, PrimeError
 from prime_envs_robosuite.recordings.hdf5_file import SIMULATOR_STATES, array_of, told
 
 if TYPE_CHECKING:
     from prime_envs_robosuite.environment import RobosuiteEnvironment
-
-Array = NDArray[np.float64]
 
 
 def whole_states(where: str, group: Any, actions: int) -> Array | None:

@@ -3,14 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from prime_core.arrays import Array
 from prime_core.contracts.description import Affordance
-from prime_envs_robosuite.robosuite_tasks.object_shapes import ObjectShape
+from prime_envs_robosuite.robosuite_tasks.object_shapes import Corner, ObjectShape
 from prime_envs_robosuite.tasks.table_top_objects import WIDEST_GRIP
-
-Array = NDArray[np.float64]
-Corner = tuple[float, float, float]
+from prime_envs_robosuite.tasks.task import QUARTER_TURNS
 
 FINGER_REACH = 0.015  # below the gripper's position, with room to what the object lies on [m]
 COVERED = (0.012, 0.025)  # how far below an object's top it is gripped, least and most [m]
@@ -24,7 +22,6 @@ LOWERED = 0.02  # over the least height at which all fit between gripper and tab
 ABOVE = (0.05, 0.12)  # heights of a reach over where an object is gripped [m]
 EDGE = 0.05  # of the workspace that is left out [m]
 TOUCHING = 0.001  # depth to which parts beside each other may overlap [m]
-QUARTER_TURN = float(np.pi / 2)
 ALONG = (0.0, 0.5, -0.5)  # where along a part a grip is looked for, as a share of half of it
 MOST_PARTS = 3  # of an object that are said to be good to grip
 
@@ -136,7 +133,7 @@ def _free_grips(
     """Return where along a part both opened fingers have room, and at which yaws of the gripper."""
     low, high = part.min(axis=0), part.max(axis=0)
     found: dict[tuple[float, float], tuple[float, ...]] = {}
-    for across, yaw in ((1, 0.0), (0, QUARTER_TURN)):
+    for across, yaw in zip((1, 0), QUARTER_TURNS, strict=True):
         half = (high - low)[across] / 2
         if 2 * half >= WIDEST_GRIP:
             continue

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from prime_core.arrays import Array
 from prime_core.rotations import yaw_of
 
-Array = NDArray[np.float64]
+Corner = tuple[float, float, float]
+"""Of a box: x, y, z [m]."""
 
 AROUND = 48  # points around a round geom
 SYMMETRIES = (4, 2)  # that are looked for, besides round ones

@@ -7,6 +7,7 @@ from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.robosuite_tasks.robosuite_task import RobosuiteTask
 from prime_envs_robosuite.simulation.objects import ObjectMotion
 from prime_envs_robosuite.tasks.subtasks import ArmReach, Neighbour, PutOnto, Subtask
+from prime_envs_robosuite.tasks.task import QUARTER_TURNS
 
 UPPER, LOWER = "cubeA", "cubeB"
 LOWER_HALF_SIZE = 0.025  # [m]
@@ -29,14 +30,13 @@ class StackTask(RobosuiteTask):
 
     def affordances(self) -> tuple[Affordance, ...]:
         """Return where actions make sense; see `Task`."""
-        quarter_turns = (0.0, 1.5707963267948966)
         low, high = (0.0, 0.0, STACKED), (0.0, 0.0, STACKED + RELEASE_GAP)
         above = (0.0, 0.0, STACKED + 0.04), (0.0, 0.0, STACKED + 0.1)
         return (
             # As for Lift's cube, which is as large.
-            Affordance("grasp", UPPER, (-0.02, -0.02, -0.01), (0.02, 0.02, 0.005), quarter_turns),
+            Affordance("grasp", UPPER, (-0.02, -0.02, -0.01), (0.02, 0.02, 0.005), QUARTER_TURNS),
             Affordance("place", LOWER, low, high, of_held=True),
-            Affordance("reach", UPPER, (0.0, 0.0, 0.05), (0.0, 0.0, 0.12), quarter_turns),
+            Affordance("reach", UPPER, (0.0, 0.0, 0.05), (0.0, 0.0, 0.12), QUARTER_TURNS),
             Affordance("reach", LOWER, *above, of_held=True),
             Affordance("place", None, (-0.15, -0.15, 0.82), (0.15, 0.15, 0.84)),
             Affordance("reach", None, (-0.15, -0.15, 0.85), (0.15, 0.15, 0.95)),

@@ -5,14 +5,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from prime_envs_robosuite.robosuite_tasks.object_shapes import ObjectShape, read_shape, world_points
+from prime_core.arrays import Array
+from prime_envs_robosuite.robosuite_tasks.object_shapes import (
+    Corner,
+    ObjectShape,
+    read_shape,
+    world_points,
+)
 from prime_envs_robosuite.simulation.robot_description import BASE_BODY, FURNITURE_BODIES
 from prime_envs_robosuite.tasks.robosuite_import import sample_poses
-
-Array = NDArray[np.float64]
-Corner = tuple[float, float, float]
 
 DRAWS = 40  # of starts, to see where objects start
 AROUND = 0.12  # that the workspace reaches beyond starts and furniture [m]

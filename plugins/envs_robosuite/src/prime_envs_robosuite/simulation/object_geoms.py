@@ -7,12 +7,11 @@ from pathlib import PurePosixPath, PureWindowsPath
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from prime_core.arrays import Array
 from prime_core.rotations import quaternion_product, rotation_matrix
 
 Element = ElementTree.Element
-Array = NDArray[np.float64]
 Numbers = tuple[float, ...]
 
 PRECISION = 5  # decimals of a size or a place that count [m]

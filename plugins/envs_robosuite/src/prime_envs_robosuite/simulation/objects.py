@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from prime_core.arrays import Array
+
 Starts = Callable[[np.random.Generator], Array]
 """Draws where the objects start: positions [m], world frame, and quaternions, ``(k, 7)``."""
 

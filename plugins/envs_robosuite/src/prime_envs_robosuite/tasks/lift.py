@@ -9,13 +9,13 @@ from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
 from prime_envs_robosuite.tasks.robosuite_import import CUBE_HALF_SIZE, make_host
 from prime_envs_robosuite.tasks.subtasks import HoldUp, Subtask
-from prime_envs_robosuite.tasks.task import Task, sampler_placement
+from prime_envs_robosuite.tasks.task import QUARTER_TURNS, PlacedTask, sampler_placement
 
 TABLE_TOP = 0.8
 SUCCESS_HEIGHT = 0.04  # of the cube's centre above the table, as in robosuite
 
 
-class LiftTask(Task):
+class LiftTask(PlacedTask):
     """robosuite's Lift with a cube of constant size.
 
     Solved when the cube is held with its centre more than 0.04 m above the table.
@@ -43,12 +43,11 @@ class LiftTask(Task):
 
     def affordances(self) -> tuple[Affordance, ...]:
         """Return where actions make sense; see `Task`."""
-        quarter_turns = (0.0, 1.5707963267948966)
         low, high = TABLE_TOP + CUBE_HALF_SIZE, TABLE_TOP + CUBE_HALF_SIZE + 0.02
         return (
             # Demonstrators grip it up to 1 cm below its centre, and up to 2 cm beside its middle.
-            Affordance("grasp", "cube", (-0.02, -0.02, -0.012), (0.02, 0.02, 0.005), quarter_turns),
-            Affordance("reach", "cube", (0.0, 0.0, 0.05), (0.0, 0.0, 0.12), quarter_turns),
+            Affordance("grasp", "cube", (-0.02, -0.02, -0.012), (0.02, 0.02, 0.005), QUARTER_TURNS),
+            Affordance("reach", "cube", (0.0, 0.0, 0.05), (0.0, 0.0, 0.12), QUARTER_TURNS),
             # Above the table, where demonstrators hold the cube up.
             Affordance(
                 "reach", None, (-0.1, -0.15, TABLE_TOP + 0.03), (0.1, 0.15, TABLE_TOP + 0.17)

@@ -11,7 +11,7 @@ from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement
 from prime_envs_robosuite.tasks.robosuite_import import make_host
 from prime_envs_robosuite.tasks.subtasks import ArmReach, PutOnto, Subtask
-from prime_envs_robosuite.tasks.task import Task, is_let_go, sampler_placement
+from prime_envs_robosuite.tasks.task import PlacedTask, is_let_go, sampler_placement
 
 Nut = Literal["round", "square"]
 Choice = Literal[Nut, "both"]
@@ -64,7 +64,7 @@ SHAPES: dict[str, _Shape] = {
 """In robosuite's order."""
 
 
-class NutAssemblyTask(Task):
+class NutAssemblyTask(PlacedTask):
     """robosuite's NutAssembly with one nut or both, and both pegs.
 
     Solved when each nut is around its peg, at rest and let go of: no finger touches one and the

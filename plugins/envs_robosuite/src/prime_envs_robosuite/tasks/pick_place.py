@@ -12,11 +12,15 @@ from prime_envs_robosuite.simulation.objects import (
     ObjectMotion,
     Placement,
     Starts,
-    uniform_starts,
 )
 from prime_envs_robosuite.tasks.robosuite_import import GROCERIES, make_host, sample_poses
 from prime_envs_robosuite.tasks.subtasks import ArmReach, Bounds, PutInto, Subtask
-from prime_envs_robosuite.tasks.task import Task, is_let_go, sampler_placement
+from prime_envs_robosuite.tasks.task import (
+    QUARTER_TURNS,
+    PlacedTask,
+    is_let_go,
+    sampler_placement,
+)
 
 Grocery = Literal["milk", "bread", "cereal", "can"]
 Choice = Literal[Grocery, "all"]
@@ -54,7 +58,6 @@ class _Shape:
     grasp_yaws: tuple[float, ...] | None
 
 
-QUARTER_TURNS = (0.0, float(np.pi / 2))
 SHAPES: dict[str, _Shape] = {
     "milk": _Shape(0, 4, (0.045, 0.055), QUARTER_TURNS),
     "bread": _Shape(1, 2, (-0.005, 0.005), QUARTER_TURNS),
@@ -64,7 +67,7 @@ SHAPES: dict[str, _Shape] = {
 }
 
 
-class PickPlaceTask(Task):
+class PickPlaceTask(PlacedTask):
     """robosuite's PickPlace with all four objects, or with one and without the other three.
 
     Solved when each object lies at rest in its own quarter and is let go of: no finger touches
@@ -96,7 +99,7 @@ class PickPlaceTask(Task):
         """Return robosuite's sampler, which keeps several objects apart; see `Task`."""
         if len(self.kinds) > 1:
             return lambda rng: sample_poses(host, self.body_names, rng)
-        return uniform_starts(self.placements(host))
+        return super().starts(host)
 
     def placements(self, host: Any) -> tuple[Placement, ...]:
         """Return where one object alone starts; see `Task`."""

@@ -13,11 +13,9 @@ from contextlib import contextmanager
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from prime_core.arrays import Array
 from prime_core.errors import ConfigurationError, PrimeError
-
-Array = NDArray[np.float64]
 
 ROBOT, GRIPPER = "Panda", "PandaGripper"
 HostName = Literal["FixedCubeLift", "NutAssemblyOf", "PickPlaceOf", "TableTop"]

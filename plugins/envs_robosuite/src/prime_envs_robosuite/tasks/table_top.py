@@ -21,7 +21,7 @@ from prime_envs_robosuite.tasks.table_top_objects import (
     Box,
     Layout,
 )
-from prime_envs_robosuite.tasks.task import Task
+from prime_envs_robosuite.tasks.task import PlacedTask
 
 PART_GAP = 0.05  # between the parts of a bin that boxes are put into: half of each box there [m]
 DROP_HEIGHT = 0.04  # over the bin's floor from which a box is dropped, for the walls' sake [m]
@@ -29,7 +29,7 @@ EASY_REACH = ArmReach(base=(-0.56, 0.0), distance=0.72)  # of the arm at the tab
 FINGER_THICKNESS = 0.012  # half of it, of the closed fingers [m]
 
 
-class TableTopTask(Task):
+class TableTopTask(PlacedTask):
     """A task with boxes, bins and mats on a table of 0.8 x 0.8 m.
 
     Args:

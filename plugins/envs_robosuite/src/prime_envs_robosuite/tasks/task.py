@@ -4,6 +4,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from prime_core.contracts.description import Affordance, ObjectDescription
 from prime_core.contracts.scene import Scene
 from prime_envs_robosuite.simulation.objects import ObjectMotion, Placement, Starts, uniform_starts
@@ -11,6 +13,9 @@ from prime_envs_robosuite.tasks.subtasks import Subtask
 
 Judge = Callable[[Scene, bool, Sequence[ObjectMotion]], bool]
 """Says whether a task is solved; see `Task.is_success` for what it is told."""
+
+QUARTER_TURNS = (0.0, float(np.pi / 2))
+"""Yaws of a gripper across either pair of sides of a box [rad]."""
 
 RELEASE_OPENING = 0.06  # from which the fingers, which open to 0.08 m, count as opened [m]
 
@@ -38,21 +43,13 @@ class Task(ABC):
     def make_host(self) -> Any:
         """Build the robosuite environment that the models come from."""
 
+    @abstractmethod
     def starts(self, host: Any) -> Starts:
-        """Return what draws where the objects start: each by itself, unless a task says otherwise.
+        """Return what draws where the objects start.
 
         Args:
             host: What `make_host` built.
         """
-        return uniform_starts(self.placements(host))
-
-    def placements(self, host: Any) -> tuple[Placement, ...]:
-        """Return where each object starts, of a task with no `starts` of its own.
-
-        Args:
-            host: What `make_host` built.
-        """
-        raise NotImplementedError(f"{type(self).__name__} has neither placements nor starts")
 
     @abstractmethod
     def affordances(self) -> tuple[Affordance, ...]:
@@ -79,6 +76,22 @@ class Task(ABC):
             touched: Whether a finger touches any of the objects.
             motions: How each object moves.
         """
+
+
+class PlacedTask(Task):
+    """A task whose objects start each in a region of its own."""
+
+    @abstractmethod
+    def placements(self, host: Any) -> tuple[Placement, ...]:
+        """Return where each object starts.
+
+        Args:
+            host: What `make_host` built.
+        """
+
+    def starts(self, host: Any) -> Starts:
+        """Return what draws each object's start by itself; see `Task`."""
+        return uniform_starts(self.placements(host))
 
 
 def is_let_go(scene: Scene, touched: bool) -> bool:

@@ -4,17 +4,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from prime_core.configuration import ConfigDump
 from prime_core.contracts.demonstration import Demonstration
 from prime_core.contracts.exporter import ExporterConfig
 from prime_core.errors import ConfigurationError, DatasetError
 from prime_core.experiments.parse_dataset import beside, open_run
-from prime_core.experiments.reading import apply_setting, explain
+from prime_core.experiments.reading import read_choice
 from prime_core.experiments.run_folder.place import place_told
 from prime_core.experiments.stages.demonstrations import check_left_out
-from prime_core.registry.fields import dump_choice, read_settings
+from prime_core.registry.fields import dump_choice
 
 Shown = Callable[[Iterable[Demonstration], int], Iterable[Demonstration]]
 """Gives what it is given, and shows how many of a number have gone by."""
@@ -45,15 +42,7 @@ def read_exporter(name: str, settings: Sequence[str]) -> ExporterConfig:
     Raises:
         ConfigurationError: If there is no such format or setting.
     """
-    data: ConfigDump = {"type": name}
-    for setting in settings:
-        apply_setting(data, setting)
-    try:
-        return read_settings(ExporterConfig, data)
-    except ValidationError as error:
-        raise ConfigurationError(explain(error, f"--to {name}")) from None
-    except ValueError as error:
-        raise ConfigurationError(f"--to {name}: {error}") from None
+    return read_choice(ExporterConfig, {"type": name}, settings, f"--to {name}")
 
 
 def export_run(run: Path, exporter: ExporterConfig, target: Path | None, shown: Shown) -> Exported:
@@ -90,6 +79,6 @@ def export_run(run: Path, exporter: ExporterConfig, target: Path | None, shown: 
             yield one
 
     count = total - len(stage.left_out())
-    with place_told(target):
+    with place_told(target, keeps=False):
         exporter.export(shown(usable(), count), experiment.config.environment, target)
     return Exported(target, len(steps), sum(steps))

@@ -83,7 +83,7 @@ def export_policy(run: Path, choice: Choice, target: Path) -> Manifest:
         idm=idm,
         parser=experiment.parsing.parser,
     )
-    with place_told(target):
+    with place_told(target, keeps=False):
         write_models(target, manifest, world.description, weights)
     return manifest
 
