@@ -44,7 +44,7 @@ copied = shutil.copymode
 def slowly(*arguments, **options):
     copied(*arguments, **options)
     open("reached", "a").close()
-    time.sleep(0.5)
+    time.sleep(30)  # until it is killed, however late that is
 
 shutil.copymode = slowly
 """
